@@ -1,0 +1,4 @@
+//! Small mathematics: tensors, polar decomposition, four-wide numbers.
+
+pub mod tensor;
+pub mod v4;

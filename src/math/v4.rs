@@ -1,0 +1,359 @@
+//! Four numbers at once, on whatever the processor offers.
+//!
+//! Kernels are generic over [`Wide`]; [`dispatch`] picks the back end once per call. On x86-64
+//! with AVX2 and FMA and on 64-bit ARM, [`Wide::mul_add`] rounds once; elsewhere it rounds twice:
+//! one numeric path per processor family, the same bits for any number of threads.
+
+use std::ops::{Add, Div, Mul, Sub};
+
+/// Four `f64` handled together.
+pub trait Wide:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
+    /// The same number four times.
+    fn splat(value: f64) -> Self;
+    /// Four numbers from memory.
+    fn load(from: &[f64; 4]) -> Self;
+    /// Four numbers to memory.
+    fn store(self, to: &mut [f64; 4]);
+    /// Square roots.
+    fn sqrt(self) -> Self;
+    /// self * factor + summand.
+    fn mul_add(self, factor: Self, summand: Self) -> Self;
+    /// The larger of self and other, lane by lane.
+    fn larger(self, other: Self) -> Self;
+    /// The smaller of self and other, lane by lane.
+    fn smaller(self, other: Self) -> Self;
+    /// Largest whole numbers not above self.
+    fn floor(self) -> Self;
+    /// Absolute values.
+    fn absolute(self) -> Self;
+    /// The first three lanes of self, the last one of `other`.
+    fn with_last(self, other: Self) -> Self;
+    /// Do the first three lanes all lie in lower..=upper? False if one is not a number.
+    fn inside(self, lower: Self, upper: Self) -> bool;
+    /// The four numbers.
+    #[inline(always)]
+    fn array(self) -> [f64; 4] {
+        let mut array = [0.0; 4];
+        self.store(&mut array);
+        array
+    }
+}
+
+/// Work that is compiled once for each back end.
+pub trait Sweep {
+    /// What the work gives back.
+    type Output;
+    /// Does the work; implementations are `#[inline(always)]`.
+    fn run<V: Wide>(self) -> Self::Output;
+}
+
+/// Does the work with the widest back end of this processor.
+#[inline]
+pub fn dispatch<S: Sweep>(sweep: S) -> S::Output {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
+        // SAFETY: the processor has just been found to have both features.
+        return unsafe { avx2::run(sweep) };
+    }
+    #[cfg(target_arch = "aarch64")]
+    return sweep.run::<neon::Neon>();
+    #[cfg(not(target_arch = "aarch64"))]
+    sweep.run::<Plain>()
+}
+
+/// The four operators of a type, each from its expression.
+macro_rules! operators {
+    ($wide:ty, $a:ident, $b:ident, $add:expr, $sub:expr, $mul:expr, $div:expr) => {
+        operators!(@ $wide, Add, add, $a, $b, $add);
+        operators!(@ $wide, Sub, sub, $a, $b, $sub);
+        operators!(@ $wide, Mul, mul, $a, $b, $mul);
+        operators!(@ $wide, Div, div, $a, $b, $div);
+    };
+    (@ $wide:ty, $operator:ident, $method:ident, $a:ident, $b:ident, $value:expr) => {
+        impl std::ops::$operator for $wide {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                let ($a, $b) = (self, other);
+                $value
+            }
+        }
+    };
+}
+
+/// Four numbers in an array: any processor.
+#[derive(Clone, Copy, Debug)]
+pub struct Plain([f64; 4]);
+
+impl Plain {
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        Self(std::array::from_fn(|lane| f(self.0[lane], other.0[lane])))
+    }
+}
+
+operators!(
+    Plain,
+    a,
+    b,
+    a.zip(b, |a, b| a + b),
+    a.zip(b, |a, b| a - b),
+    a.zip(b, |a, b| a * b),
+    a.zip(b, |a, b| a / b)
+);
+
+impl Wide for Plain {
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Self([value; 4])
+    }
+    #[inline(always)]
+    fn load(from: &[f64; 4]) -> Self {
+        Self(*from)
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64; 4]) {
+        *to = self.0;
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.map(f64::sqrt))
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, summand: Self) -> Self {
+        self * factor + summand
+    }
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a > b { a } else { b })
+    }
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a < b { a } else { b })
+    }
+    #[inline(always)]
+    fn floor(self) -> Self {
+        Self(self.0.map(f64::floor))
+    }
+    #[inline(always)]
+    fn absolute(self) -> Self {
+        Self(self.0.map(f64::abs))
+    }
+    #[inline(always)]
+    fn with_last(self, other: Self) -> Self {
+        Self([self.0[0], self.0[1], self.0[2], other.0[3]])
+    }
+    #[inline(always)]
+    fn inside(self, lower: Self, upper: Self) -> bool {
+        (0..3).all(|lane| self.0[lane] >= lower.0[lane] && self.0[lane] <= upper.0[lane])
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod avx2 {
+    use super::{Sweep, Wide};
+    use std::arch::x86_64::*;
+
+    /// Four numbers in one AVX register; made only inside [`run`].
+    #[derive(Clone, Copy)]
+    pub struct Avx2(__m256d);
+
+    /// Runs a sweep compiled for AVX2 and FMA.
+    ///
+    /// # Safety
+    /// The processor must have both features.
+    #[target_feature(enable = "avx2,fma")]
+    pub unsafe fn run<S: Sweep>(sweep: S) -> S::Output {
+        sweep.run::<Avx2>()
+    }
+
+    operators!(
+        Avx2,
+        a,
+        b,
+        unsafe { Self(_mm256_add_pd(a.0, b.0)) },
+        unsafe { Self(_mm256_sub_pd(a.0, b.0)) },
+        unsafe { Self(_mm256_mul_pd(a.0, b.0)) },
+        unsafe { Self(_mm256_div_pd(a.0, b.0)) }
+    );
+
+    // SAFETY of every block here: `Avx2` is named only by `run`, whose caller has checked the
+    // processor; loads and stores are unaligned and go through references to four numbers.
+    impl Wide for Avx2 {
+        #[inline(always)]
+        fn splat(value: f64) -> Self {
+            unsafe { Self(_mm256_set1_pd(value)) }
+        }
+        #[inline(always)]
+        fn load(from: &[f64; 4]) -> Self {
+            unsafe { Self(_mm256_loadu_pd(from.as_ptr())) }
+        }
+        #[inline(always)]
+        fn store(self, to: &mut [f64; 4]) {
+            unsafe { _mm256_storeu_pd(to.as_mut_ptr(), self.0) }
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            unsafe { Self(_mm256_sqrt_pd(self.0)) }
+        }
+        #[inline(always)]
+        fn mul_add(self, factor: Self, summand: Self) -> Self {
+            unsafe { Self(_mm256_fmadd_pd(self.0, factor.0, summand.0)) }
+        }
+        #[inline(always)]
+        fn larger(self, other: Self) -> Self {
+            unsafe { Self(_mm256_max_pd(self.0, other.0)) }
+        }
+        #[inline(always)]
+        fn smaller(self, other: Self) -> Self {
+            unsafe { Self(_mm256_min_pd(self.0, other.0)) }
+        }
+        #[inline(always)]
+        fn floor(self) -> Self {
+            unsafe { Self(_mm256_floor_pd(self.0)) }
+        }
+        #[inline(always)]
+        fn absolute(self) -> Self {
+            unsafe { Self(_mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0)) }
+        }
+        #[inline(always)]
+        fn with_last(self, other: Self) -> Self {
+            unsafe { Self(_mm256_blend_pd::<0b1000>(self.0, other.0)) }
+        }
+        #[inline(always)]
+        fn inside(self, lower: Self, upper: Self) -> bool {
+            unsafe {
+                let above = _mm256_cmp_pd::<_CMP_GE_OQ>(self.0, lower.0);
+                let below = _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, upper.0);
+                _mm256_movemask_pd(_mm256_and_pd(above, below)) & 0b111 == 0b111
+            }
+        }
+    }
+}
+
+#[cfg(target_arch = "aarch64")]
+mod neon {
+    use super::Wide;
+    use std::arch::aarch64::*;
+
+    /// Four numbers in two NEON registers, which every 64-bit ARM processor has.
+    #[derive(Clone, Copy)]
+    pub struct Neon(float64x2_t, float64x2_t);
+
+    operators!(
+        Neon,
+        a,
+        b,
+        unsafe { Self(vaddq_f64(a.0, b.0), vaddq_f64(a.1, b.1)) },
+        unsafe { Self(vsubq_f64(a.0, b.0), vsubq_f64(a.1, b.1)) },
+        unsafe { Self(vmulq_f64(a.0, b.0), vmulq_f64(a.1, b.1)) },
+        unsafe { Self(vdivq_f64(a.0, b.0), vdivq_f64(a.1, b.1)) }
+    );
+
+    // SAFETY of every block here: NEON is part of the aarch64 target; loads and stores go
+    // through references to four numbers.
+    impl Wide for Neon {
+        #[inline(always)]
+        fn splat(value: f64) -> Self {
+            unsafe { Self(vdupq_n_f64(value), vdupq_n_f64(value)) }
+        }
+        #[inline(always)]
+        fn load(from: &[f64; 4]) -> Self {
+            unsafe { Self(vld1q_f64(from.as_ptr()), vld1q_f64(from.as_ptr().add(2))) }
+        }
+        #[inline(always)]
+        fn store(self, to: &mut [f64; 4]) {
+            unsafe {
+                vst1q_f64(to.as_mut_ptr(), self.0);
+                vst1q_f64(to.as_mut_ptr().add(2), self.1);
+            }
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            unsafe { Self(vsqrtq_f64(self.0), vsqrtq_f64(self.1)) }
+        }
+        #[inline(always)]
+        fn mul_add(self, factor: Self, summand: Self) -> Self {
+            unsafe {
+                Self(vfmaq_f64(summand.0, self.0, factor.0), vfmaq_f64(summand.1, self.1, factor.1))
+            }
+        }
+        #[inline(always)]
+        fn larger(self, other: Self) -> Self {
+            unsafe { Self(vmaxq_f64(self.0, other.0), vmaxq_f64(self.1, other.1)) }
+        }
+        #[inline(always)]
+        fn smaller(self, other: Self) -> Self {
+            unsafe { Self(vminq_f64(self.0, other.0), vminq_f64(self.1, other.1)) }
+        }
+        #[inline(always)]
+        fn floor(self) -> Self {
+            unsafe { Self(vrndmq_f64(self.0), vrndmq_f64(self.1)) }
+        }
+        #[inline(always)]
+        fn absolute(self) -> Self {
+            unsafe { Self(vabsq_f64(self.0), vabsq_f64(self.1)) }
+        }
+        #[inline(always)]
+        fn with_last(self, other: Self) -> Self {
+            unsafe { Self(self.0, vcopyq_laneq_f64::<1, 1>(self.1, other.1)) }
+        }
+        #[inline(always)]
+        fn inside(self, lower: Self, upper: Self) -> bool {
+            let (x, low, high) = (self.array(), lower.array(), upper.array());
+            (0..3).all(|lane| x[lane] >= low[lane] && x[lane] <= high[lane])
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Everything;
+
+    impl Sweep for Everything {
+        type Output = Vec<[f64; 4]>;
+        fn run<V: Wide>(self) -> Self::Output {
+            let a = V::load(&[1.0, -2.0, 3.0, -4.0]);
+            let b = V::load(&[4.0, 3.0, -2.0, 0.5]);
+            let lower = V::splat(-2.0);
+            let inside = f64::from(a.inside(lower, V::splat(3.0)));
+            let outside = f64::from(V::splat(f64::NAN).inside(lower, V::splat(3.0)));
+            [a + b, a - b, a * b, a.mul_add(b, V::splat(1.0)), a.larger(b)]
+                .into_iter()
+                .chain([
+                    a / b,
+                    b.absolute().sqrt(),
+                    a.smaller(b),
+                    V::load(&[1.5, -1.5, 2.0, -0.5]).floor(),
+                ])
+                .chain([a.absolute(), a.with_last(b), V::splat(inside), V::splat(outside)])
+                .map(V::array)
+                .collect()
+        }
+    }
+
+    #[test]
+    fn every_back_end_computes_the_same() {
+        let expected = vec![
+            [5.0, 1.0, 1.0, -3.5],
+            [-3.0, -5.0, 5.0, -4.5],
+            [4.0, -6.0, -6.0, -2.0],
+            [5.0, -5.0, -5.0, -1.0],
+            [4.0, 3.0, 3.0, 0.5],
+            [0.25, -2.0 / 3.0, -1.5, -8.0],
+            [2.0, 3f64.sqrt(), 2f64.sqrt(), 0.5f64.sqrt()],
+            [1.0, -2.0, -2.0, -4.0],
+            [1.0, -2.0, 2.0, -1.0],
+            [1.0, 2.0, 3.0, 4.0],
+            [1.0, -2.0, 3.0, 0.5],
+            [1.0; 4],
+            [0.0; 4],
+        ];
+        assert_eq!(Everything.run::<Plain>(), expected);
+        assert_eq!(dispatch(Everything), expected);
+    }
+}

@@ -1,0 +1,8 @@
+//! Plain data of a simulation: particles, grid, groups, clock.
+
+pub mod clock;
+pub mod column;
+pub mod domain;
+pub mod grid;
+pub mod group;
+pub mod particles;

@@ -1,0 +1,175 @@
+//! The table of particles.
+
+use super::column::{COLUMNS, Column, ColumnSet};
+use super::group::{GroupId, Groups, Members};
+
+/// All particles, one row each; columns of the same length or empty where the scene needs none.
+#[derive(Clone, Default)]
+pub struct Particles {
+    /// x, y, z \[L\] and mass \[M\].
+    pub position: Vec<[f64; 4]>,
+    /// Velocity \[L/T\] and reference volume V0 \[L^d\].
+    pub velocity: Vec<[f64; 4]>,
+    /// Displacement of the step under way \[L\]; the last entry is unused.
+    pub displacement: Vec<[f64; 4]>,
+    /// Optional scalar columns, in the order of [`Column`]; an absent one is empty.
+    pub columns: Vec<Vec<f64>>,
+    /// Global ids from 1.
+    pub id: Vec<u32>,
+    /// Number of the solid, from 0.
+    pub solid: Vec<u16>,
+    /// Group membership: bit `b` is bit `b % 64` of word column `b / 64`.
+    pub masks: Vec<Vec<u64>>,
+    present: ColumnSet,
+}
+
+impl Particles {
+    /// An empty table.
+    pub fn new() -> Self {
+        Self { columns: vec![Vec::new(); COLUMNS], ..Self::default() }
+    }
+
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        self.id.len()
+    }
+
+    /// Is there no particle?
+    pub fn is_empty(&self) -> bool {
+        self.id.is_empty()
+    }
+
+    /// The columns that exist.
+    pub fn present(&self) -> ColumnSet {
+        self.present
+    }
+
+    /// Adds the columns of `set` that are absent, with their initial values.
+    pub fn require(&mut self, set: ColumnSet) {
+        for column in set.iter().filter(|column| !self.present.contains(*column)) {
+            self.columns[column as usize] = vec![column.info().initial; self.id.len()];
+        }
+        for column in set.iter() {
+            self.present.insert(column);
+        }
+    }
+
+    /// A column; empty where it is absent.
+    pub fn column(&self, column: Column) -> &[f64] {
+        &self.columns[column as usize]
+    }
+
+    /// A column to write; empty where it is absent.
+    pub fn column_mut(&mut self, column: Column) -> &mut [f64] {
+        &mut self.columns[column as usize]
+    }
+
+    /// Appends a particle with initial values in its columns.
+    pub fn push(&mut self, id: u32, solid: u16, place: [f64; 3], mass: f64, volume: f64) {
+        self.position.push([place[0], place[1], place[2], mass]);
+        self.velocity.push([0.0, 0.0, 0.0, volume]);
+        self.displacement.push([0.0; 4]);
+        self.id.push(id);
+        self.solid.push(solid);
+        for words in &mut self.masks {
+            words.push(0);
+        }
+        for column in self.present.iter() {
+            let value = match column {
+                Column::X0 => place[0],
+                Column::Y0 => place[1],
+                Column::Z0 => place[2],
+                _ => column.info().initial,
+            };
+            self.columns[column as usize].push(value);
+        }
+    }
+
+    /// Makes room for `count` more particles.
+    pub fn reserve(&mut self, count: usize) {
+        self.position.reserve(count);
+        self.velocity.reserve(count);
+        self.displacement.reserve(count);
+        self.id.reserve(count);
+        self.solid.reserve(count);
+        for column in self.present.iter() {
+            self.columns[column as usize].reserve(count);
+        }
+    }
+
+    /// Puts a particle into the group of bit `bit`.
+    pub fn join(&mut self, particle: usize, bit: usize) {
+        while self.masks.len() <= bit / 64 {
+            self.masks.push(vec![0; self.id.len()]);
+        }
+        self.masks[bit / 64][particle] |= 1 << (bit % 64);
+    }
+
+    /// Is the particle in the group? Node groups hold no particle.
+    pub fn belongs(&self, particle: usize, members: &Members) -> bool {
+        match members {
+            Members::All => true,
+            Members::Particles { bit } => {
+                self.masks.get(bit / 64).is_some_and(|words| words[particle] >> (bit % 64) & 1 == 1)
+            }
+            Members::Nodes { .. } => false,
+        }
+    }
+
+    /// Indices of the particles of a group, in storage order.
+    pub fn of_group<'a>(
+        &'a self,
+        groups: &'a Groups,
+        group: GroupId,
+    ) -> impl Iterator<Item = usize> + 'a {
+        let members = &groups[group].members;
+        (0..self.len()).filter(move |particle| self.belongs(*particle, members))
+    }
+
+    /// Removes the particles for which `keep` is false; the order of the others stays.
+    pub fn retain(&mut self, keep: &[bool]) {
+        fn filter<T>(column: &mut Vec<T>, keep: &[bool]) {
+            let mut flags = keep.iter();
+            column.retain(|_| flags.next().copied().unwrap_or(true));
+        }
+        filter(&mut self.position, keep);
+        filter(&mut self.velocity, keep);
+        filter(&mut self.displacement, keep);
+        filter(&mut self.id, keep);
+        filter(&mut self.solid, keep);
+        for column in self.columns.iter_mut().filter(|column| !column.is_empty()) {
+            filter(column, keep);
+        }
+        for words in &mut self.masks {
+            filter(words, keep);
+        }
+    }
+
+    /// Bytes that one particle takes.
+    pub fn bytes_each(&self) -> usize {
+        3 * 32 + 8 * self.present.iter().count() + 4 + 2 + 8 * self.masks.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_grow_and_shrink_together() {
+        let mut set = ColumnSet::default();
+        set.extend(&[Column::X0, Column::F11]);
+        let mut particles = Particles::new();
+        particles.require(set);
+        for id in 1..=3 {
+            particles.push(id, 0, [id as f64, 0.0, 0.0], 1.0, 2.0);
+        }
+        particles.join(2, 70);
+        particles.retain(&[true, false, true]);
+        assert_eq!(particles.id, [1, 3]);
+        assert_eq!(particles.column(Column::X0), [1.0, 3.0]);
+        assert_eq!(particles.column(Column::F11), [1.0, 1.0]);
+        assert!(particles.belongs(1, &Members::Particles { bit: 70 }));
+        assert!(!particles.belongs(0, &Members::Particles { bit: 70 }));
+    }
+}
