@@ -1,22 +1,29 @@
 //! Material point method simulator driven by Karamelo-style scripts.
 
+pub mod compute;
 pub mod damage;
 pub mod eos;
 pub mod error;
 pub mod fault;
+pub mod fix;
 pub mod interrupt;
+pub mod kernel;
 pub mod material;
 pub mod math;
+pub mod measure;
 pub mod memory;
 pub mod model;
 pub mod plan;
 pub mod region;
+pub mod scheme;
 pub mod script;
 pub mod shape;
 pub mod step;
 pub mod strength;
 pub mod style;
 pub mod temperature;
+pub mod time_step;
 pub mod timing;
 pub mod transfer;
+pub mod watch;
 pub mod world;

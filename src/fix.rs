@@ -1,0 +1,148 @@
+//! Fixes: what acts on particles or nodes during a step (language.md 6.6).
+
+pub mod body_force;
+pub mod check_solution;
+pub mod components;
+pub mod energy;
+pub mod force_nodes;
+pub mod initial_stress;
+pub mod initial_velocity_nodes;
+pub mod initial_velocity_particles;
+pub mod velocity_nodes;
+pub mod velocity_particles;
+
+use crate::fault::Fault;
+use crate::model::group::GroupId;
+use crate::plan::Plan;
+use crate::script::arguments::Args;
+use crate::script::diagnostic::{Code, Diagnostic};
+use crate::script::formula::Formula;
+use crate::script::source::Span;
+use crate::step::{Stage, Step};
+use crate::style::Style;
+use crate::world::World;
+
+/// Something that acts at one or more stages of each step.
+pub trait Fix: Send {
+    /// The stages at which it acts.
+    fn stages(&self) -> &'static [Stage];
+
+    /// What it needs of the scene.
+    fn needs(&self, _plan: &mut Plan, _dimension: usize) {}
+
+    /// Formulas it evaluates; the results they read are brought up to date before it acts.
+    fn formulas(&self) -> Vec<&Formula> {
+        Vec::new()
+    }
+
+    /// Acts once, at the start of the first run after its definition.
+    ///
+    /// # Errors
+    /// A formula that is not finite.
+    fn start(&mut self, _step: &mut Step<'_>) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    /// Acts at one stage.
+    ///
+    /// # Errors
+    /// A formula that is not finite, or whatever stops the run.
+    fn apply(&mut self, _stage: Stage, _step: &mut Step<'_>) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    /// The results `ID_x`, `ID_y`, `ID_z`, `ID_s`.
+    fn results(&self, _world: &World) -> [f64; 4] {
+        [0.0; 4]
+    }
+}
+
+/// What kind of members a group has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GroupKind {
+    /// The predefined `all`: particles and nodes.
+    All,
+    /// Particles.
+    Particles,
+    /// Nodes.
+    Nodes,
+}
+
+/// What a fix or compute acts on.
+#[derive(Clone, Debug)]
+pub struct Target {
+    /// ID of the fix or compute.
+    pub id: String,
+    /// The group.
+    pub group: GroupId,
+    /// Its kind.
+    pub kind: GroupKind,
+    /// Where its name stands in the script.
+    pub span: Span,
+    /// 1, 2 or 3.
+    pub dimension: usize,
+}
+
+impl Target {
+    /// Refuses a group of a kind that the style cannot act on.
+    ///
+    /// # Errors
+    /// The kind is not among the `allowed` ones.
+    pub fn require(&self, style: &str, allowed: &[GroupKind]) -> Result<(), Diagnostic> {
+        if allowed.contains(&self.kind) {
+            return Ok(());
+        }
+        let word = |kind: &GroupKind| match kind {
+            GroupKind::All => "`all`",
+            GroupKind::Particles => "a group of particles",
+            GroupKind::Nodes => "a group of nodes",
+        };
+        let wanted: Vec<&str> = allowed.iter().map(word).collect();
+        Err(Diagnostic::error(
+            Code::GroupKind,
+            self.span,
+            format!("`{style}` acts on {}", wanted.join(" or ")),
+        )
+        .label(format!("this is {}", word(&self.kind))))
+    }
+}
+
+/// Builds a fix from its arguments.
+pub type BuildFix = fn(&mut Args<'_>, &Target) -> Result<Box<dyn Fix>, Diagnostic>;
+
+/// All fix styles.
+pub const FIXES: &[Style<BuildFix>] = &[
+    body_force::STYLE,
+    force_nodes::STYLE,
+    velocity_nodes::STYLE,
+    velocity_particles::STYLE,
+    initial_velocity_particles::STYLE,
+    initial_velocity_nodes::STYLE,
+    initial_stress::STYLE,
+    energy::KINETIC,
+    energy::STRAIN,
+    check_solution::STYLE,
+    reserved("temperature_nodes", "T", "prescribes nodal temperatures"),
+    reserved("temperature_particles", "T", "prescribes temperatures of particles"),
+    reserved("contact/hertz", "s1, s2", "Hertzian contact of two solids"),
+    reserved("contact/minimize_penetration", "s1, s2, mu", "contact without overlap"),
+    reserved("contact/minimize_penetration/plane", "", "contact with a plane"),
+    reserved("cuttingtool", "K, xT,yT,zT, ...", "a wedge-shaped tool"),
+    reserved("indent", "sphere, K, x, y, z, R", "a spherical indenter"),
+    reserved("indent/minimize_penetration", "", "an indenter without overlap"),
+    reserved("damping_nodes", "c", "viscous damping of nodes"),
+    reserved("damping_local_nodes", "beta", "local damping of nodes"),
+    reserved("neumann_bc_mech", "", "surface tractions"),
+    reserved("convection_particles", "", "heat convection"),
+    reserved("heat_flux_particles", "", "heat flux"),
+    reserved("impenetrablesurface", "", "an impenetrable surface"),
+    reserved("meldtool", "", "a meld tool"),
+];
+
+const fn reserved(
+    name: &'static str,
+    usage: &'static str,
+    summary: &'static str,
+) -> Style<BuildFix> {
+    Style { name, usage, summary, manual: "", build: None }
+}

@@ -1,0 +1,80 @@
+//! A given total force, shared by nodes.
+
+use super::components::{Components, of_nodes};
+use super::{BuildFix, Fix, GroupKind};
+use crate::fault::Fault;
+use crate::model::group::GroupId;
+use crate::plan::Plan;
+use crate::script::formula::{Formula, Instant};
+use crate::step::{Stage, Step};
+use crate::style::Style;
+use crate::world::World;
+
+/// The row of the table.
+pub const STYLE: Style<BuildFix> = Style {
+    name: "force_nodes",
+    usage: "fx, fy, fz",
+    summary: "a total force [M L/T^2], split equally over the nodes of a group that have mass",
+    manual: "H2: mb_I += f(x_I, t)/n over the n nodes of the group with mass.
+Publishes the total force in ID_x, ID_y, ID_z.",
+    build: Some(|args, target| {
+        target.require("force_nodes", &[GroupKind::Nodes])?;
+        let force = Components::read(args, target, ["fx", "fy", "fz"])?;
+        Ok(Box::new(ForceNodes { group: target.group, force, total: [0.0; 3] }))
+    }),
+};
+
+/// mb_I += f/n over the n nodes with mass.
+pub struct ForceNodes {
+    /// Where it acts.
+    pub group: GroupId,
+    /// The total force \[M L/T^2\].
+    pub force: Components,
+    /// Sum of the forces of the last step.
+    pub total: [f64; 3],
+}
+
+impl Fix for ForceNodes {
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::PostParticlesToGrid]
+    }
+
+    fn needs(&self, plan: &mut Plan, dimension: usize) {
+        self.force.needs(plan, dimension);
+    }
+
+    fn formulas(&self) -> Vec<&Formula> {
+        self.force.formulas()
+    }
+
+    fn apply(&mut self, _stage: Stage, step: &mut Step<'_>) -> Result<(), Fault> {
+        let position = of_nodes(step.world);
+        let (members, mut nodal) = step.world.grid.split(self.group);
+        let heavy = members.iter().filter(|node| nodal.mass(**node as usize) > 0.0).count();
+        let share = if heavy > 0 { 1.0 / heavy as f64 } else { 0.0 };
+        let mut total = [0.0; 3];
+        let members = members.iter().map(|node| *node as usize);
+        self.force.each(
+            step.board,
+            &Instant::start(&step.clock),
+            members,
+            position,
+            |node, force| {
+                if nodal.mass(node) > 0.0 {
+                    let force = force.map(|f| share * f.unwrap_or(0.0));
+                    nodal.add_force(node, force);
+                    for (total, force) in total.iter_mut().zip(force) {
+                        *total += force;
+                    }
+                }
+            },
+        )?;
+        self.total = total;
+        Ok(())
+    }
+
+    fn results(&self, _world: &World) -> [f64; 4] {
+        let [x, y, z] = self.total;
+        [x, y, z, 0.0]
+    }
+}

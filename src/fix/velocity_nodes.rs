@@ -1,0 +1,108 @@
+//! Prescribed velocities of nodes: walls, symmetry planes, moving grips.
+
+use super::components::{Components, of_nodes};
+use super::{BuildFix, Fix, GroupKind};
+use crate::fault::Fault;
+use crate::model::group::GroupId;
+use crate::plan::Plan;
+use crate::script::formula::{Formula, Instant};
+use crate::step::{Stage, Step};
+use crate::style::Style;
+use crate::world::World;
+
+/// The row of the table.
+pub const STYLE: Style<BuildFix> = Style {
+    name: "velocity_nodes",
+    usage: "vx, vy, vz",
+    summary: "prescribes the velocity of nodes [L/T]; NULL leaves a component free",
+    manual: "H3: v <- v(t), v* <- v(t+dt). H6: v <- v(t+dt).
+Publishes the reaction sum m (v_set - v*)/dt in ID_x, ID_y, ID_z.",
+    build: Some(|args, target| {
+        target.require("velocity_nodes", &[GroupKind::Nodes])?;
+        let velocity = Components::read(args, target, ["vx", "vy", "vz"])?;
+        Ok(Box::new(VelocityNodes::new(target.group, velocity)))
+    }),
+};
+
+/// v <- v(t), v* <- v(t+dt) after the update; v <- v(t+dt) after the second mapping.
+pub struct VelocityNodes {
+    group: GroupId,
+    velocity: Components,
+    /// Velocities at the start of the step, in the order of the nodes.
+    start: Vec<[f64; 3]>,
+    reaction: [f64; 3],
+}
+
+impl VelocityNodes {
+    /// Prescribes a velocity to a group of nodes.
+    pub fn new(group: GroupId, velocity: Components) -> Self {
+        Self { group, velocity, start: Vec::new(), reaction: [0.0; 3] }
+    }
+
+    fn prescribe(&mut self, step: &mut Step<'_>) -> Result<(), Fault> {
+        let (begin, end) = (Instant::start(&step.clock), Instant::end(&step.clock));
+        let position = of_nodes(step.world);
+        let (members, mut nodal) = step.world.grid.split(self.group);
+        let members = members.iter().map(|node| *node as usize);
+        let start = &mut self.start;
+        start.clear();
+        self.velocity.each(step.board, &begin, members.clone(), &position, |_, velocity| {
+            start.push(velocity.map(|v| v.unwrap_or(0.0)));
+        })?;
+        let mut starts = start.iter();
+        let mut reaction = [0.0; 3];
+        let dt = step.clock.dt;
+        self.velocity.each(step.board, &end, members, &position, |node, velocity| {
+            let start = starts.next().copied().unwrap_or_default();
+            let mass = nodal.mass(node);
+            for axis in 0..3 {
+                if let (Some(set), true) = (velocity[axis], mass > 0.0) {
+                    let free = nodal.prescribe(node, axis, start[axis], set);
+                    reaction[axis] += mass * (set - free) / dt;
+                }
+            }
+        })?;
+        self.reaction = reaction;
+        Ok(())
+    }
+
+    fn prescribe_mapped(&mut self, step: &mut Step<'_>) -> Result<(), Fault> {
+        let end = Instant::end(&step.clock);
+        let position = of_nodes(step.world);
+        let (members, mut nodal) = step.world.grid.split(self.group);
+        let members = members.iter().map(|node| *node as usize);
+        self.velocity.each(step.board, &end, members, position, |node, velocity| {
+            for (axis, velocity) in velocity.into_iter().enumerate() {
+                if let Some(velocity) = velocity {
+                    nodal.prescribe_mapped(node, axis, velocity);
+                }
+            }
+        })
+    }
+}
+
+impl Fix for VelocityNodes {
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::PostUpdateGridState, Stage::PostVelocitiesToGrid]
+    }
+
+    fn needs(&self, plan: &mut Plan, dimension: usize) {
+        self.velocity.needs(plan, dimension);
+    }
+
+    fn formulas(&self) -> Vec<&Formula> {
+        self.velocity.formulas()
+    }
+
+    fn apply(&mut self, stage: Stage, step: &mut Step<'_>) -> Result<(), Fault> {
+        match stage {
+            Stage::PostUpdateGridState => self.prescribe(step),
+            _ => self.prescribe_mapped(step),
+        }
+    }
+
+    fn results(&self, _world: &World) -> [f64; 4] {
+        let [x, y, z] = self.reaction;
+        [x, y, z, 0.0]
+    }
+}

@@ -1,0 +1,85 @@
+//! Passes over the active nodes.
+
+use crate::model::grid::{Grid, Node};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Nodes of one block: runs are cut at multiples of it, so that blocks are independent.
+pub const BLOCK: usize = 2048;
+
+/// Visits the active runs of nodes, in parallel blocks if asked to.
+fn for_each_run(
+    grid: &mut Grid,
+    parallel: bool,
+    visit: impl Fn(&mut [Node], &mut [[f64; 4]]) + Sync,
+) {
+    let (runs, first_run) = (&grid.runs, &grid.first_run);
+    let block = |(number, (nodes, mapped)): (usize, (&mut [Node], &mut [[f64; 4]]))| {
+        let runs = &runs[first_run[number]..first_run[number + 1]];
+        for Range { start, end } in runs.iter().cloned() {
+            let local = start - number * BLOCK..end - number * BLOCK;
+            visit(&mut nodes[local.clone()], &mut mapped[local]);
+        }
+    };
+    if parallel {
+        let blocks = grid.nodes.par_chunks_mut(BLOCK).zip(grid.mapped.par_chunks_mut(BLOCK));
+        blocks.enumerate().for_each(block);
+    } else {
+        let blocks = grid.nodes.chunks_mut(BLOCK).zip(grid.mapped.chunks_mut(BLOCK));
+        blocks.enumerate().for_each(block);
+    }
+}
+
+/// v = momentum/m, v* = v + dt f/m (language.md 7.1 line 7); clears the second mapping.
+/// Nodes without mass stay at rest.
+pub fn update(grid: &mut Grid, parallel: bool, dt: f64) {
+    let cutoff = grid.mass_cutoff;
+    for_each_run(grid, parallel, |nodes, mapped| {
+        for (node, mapped) in nodes.iter_mut().zip(mapped) {
+            let mass = node.motion[3];
+            let inverse = if mass > cutoff { 1.0 / mass } else { 0.0 };
+            for axis in 0..3 {
+                let change = dt * inverse * node.change[axis];
+                node.change[axis] = change;
+                node.motion[axis] = node.motion[axis] * inverse + change;
+            }
+            node.change[3] = 0.0;
+            *mapped = [0.0; 4];
+        }
+    });
+}
+
+/// v = momentum/m of the second mapping (line 13).
+pub fn divide(grid: &mut Grid, parallel: bool) {
+    let cutoff = grid.mass_cutoff;
+    for_each_run(grid, parallel, |nodes, mapped| {
+        for (node, mapped) in nodes.iter().zip(mapped) {
+            let mass = node.motion[3];
+            let inverse = if mass > cutoff { 1.0 / mass } else { 0.0 };
+            for value in mapped {
+                *value *= inverse;
+            }
+        }
+    });
+}
+
+/// Clears mass, momentum and force for the next P2G (line 3).
+pub fn clear(grid: &mut Grid, parallel: bool) {
+    for_each_run(grid, parallel, |nodes, _| nodes.fill(Node::default()));
+}
+
+/// Like [`divide`], then [`clear`], in one pass: for steps in which no fix reads the mass after
+/// the second mapping.
+pub fn divide_and_clear(grid: &mut Grid, parallel: bool) {
+    let cutoff = grid.mass_cutoff;
+    for_each_run(grid, parallel, |nodes, mapped| {
+        for (node, mapped) in nodes.iter_mut().zip(mapped) {
+            let mass = node.motion[3];
+            let inverse = if mass > cutoff { 1.0 / mass } else { 0.0 };
+            for value in mapped {
+                *value *= inverse;
+            }
+            *node = Node::default();
+        }
+    });
+}

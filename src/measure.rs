@@ -1,0 +1,131 @@
+//! Values of published quantities: results of fixes and computes, group functions.
+
+use crate::compute::Compute;
+use crate::fix::Fix;
+use crate::model::group::GroupId;
+use crate::script::formula::{GroupFunction, Quantity};
+use crate::world::World;
+
+/// Largest number of values one compute publishes.
+const LARGEST_COMPUTE: usize = 8;
+
+/// Sums of nodal forces over groups, taken while the step passes by.
+#[derive(Clone, Debug, Default)]
+pub struct Captured {
+    sums: Vec<Sum>,
+}
+
+#[derive(Clone, Debug)]
+struct Sum {
+    function: GroupFunction,
+    name: String,
+    group: GroupId,
+    value: [f64; 3],
+}
+
+impl Captured {
+    /// Lists the sums that something reads; values known from before are kept.
+    pub fn prepare(&mut self, quantities: &[Quantity], world: &World) {
+        let mut sums: Vec<Sum> = Vec::new();
+        for quantity in quantities {
+            let Quantity::Group { function, group: name, .. } = quantity else {
+                continue;
+            };
+            if *function == GroupFunction::Xcm || sums.iter().any(|s| s.is(*function, name)) {
+                continue;
+            }
+            let Some(index) = world.groups.0.iter().position(|group| group.name == *name) else {
+                continue;
+            };
+            let known = self.sums.iter().find(|sum| sum.is(*function, name));
+            let value = known.map_or([0.0; 3], |sum| sum.value);
+            sums.push(Sum {
+                function: *function,
+                name: name.clone(),
+                group: GroupId(index),
+                value,
+            });
+        }
+        self.sums = sums;
+    }
+
+    /// Does anything read external forces?
+    pub fn reads_external(&self) -> bool {
+        self.sums.iter().any(|sum| sum.function == GroupFunction::ExternalForce)
+    }
+
+    /// Takes the internal forces: to be called after P2G, before H2.
+    pub fn internal(&mut self, world: &World) {
+        self.take(GroupFunction::InternalForce, world, |node| world.grid.nodes[node].change);
+    }
+
+    /// Takes the external forces: to be called after H2.
+    pub fn external(&mut self, world: &World) {
+        self.take(GroupFunction::ExternalForce, world, |node| {
+            world.grid.external.get(node).copied().unwrap_or_default()
+        });
+    }
+
+    fn take(&mut self, function: GroupFunction, world: &World, force: impl Fn(usize) -> [f64; 4]) {
+        for sum in self.sums.iter_mut().filter(|sum| sum.function == function) {
+            sum.value = [0.0; 3];
+            for node in world.grid.of_group(sum.group) {
+                let force = force(*node as usize);
+                for (value, force) in sum.value.iter_mut().zip(force) {
+                    *value += force;
+                }
+            }
+        }
+    }
+
+    fn value(&self, function: GroupFunction, name: &str, axis: usize) -> f64 {
+        self.sums.iter().find(|sum| sum.is(function, name)).map_or(0.0, |sum| sum.value[axis])
+    }
+}
+
+impl Sum {
+    fn is(&self, function: GroupFunction, name: &str) -> bool {
+        self.function == function && self.name == name
+    }
+}
+
+/// The value a quantity has now; 0 for one that does not exist (yet).
+pub fn value(
+    quantity: &Quantity,
+    world: &World,
+    fixes: &[(String, Box<dyn Fix>)],
+    computes: &[(String, Box<dyn Compute>)],
+    captured: &Captured,
+) -> f64 {
+    match quantity {
+        Quantity::Fix { id, component } => {
+            let fix = fixes.iter().find(|(name, _)| name == id);
+            fix.map_or(0.0, |(_, fix)| fix.results(world)[*component])
+        }
+        Quantity::Compute { id, component } => {
+            let mut values = [0.0; LARGEST_COMPUTE];
+            if let Some((_, compute)) = computes.iter().find(|(name, _)| name == id) {
+                compute.evaluate(world, &mut values[..compute.suffixes().len()]);
+            }
+            values[*component]
+        }
+        Quantity::Group { function: GroupFunction::Xcm, group, axis } => {
+            centre_of_mass(world, group, *axis)
+        }
+        Quantity::Group { function, group, axis } => captured.value(*function, group, *axis),
+    }
+}
+
+/// sum m x / sum m over the particles of a group.
+fn centre_of_mass(world: &World, group: &str, axis: usize) -> f64 {
+    let Some(index) = world.groups.0.iter().position(|known| known.name == group) else {
+        return 0.0;
+    };
+    let (mut mass, mut moment) = (0.0, 0.0);
+    for p in world.particles.of_group(&world.groups, GroupId(index)) {
+        let position = world.particles.position[p];
+        mass += position[3];
+        moment += position[3] * position[axis];
+    }
+    if mass > 0.0 { moment / mass } else { 0.0 }
+}

@@ -1,0 +1,111 @@
+//! The adaptive time step (language.md 9.5) and what limits it.
+
+use crate::kernel::tiles::Report;
+
+/// What binds the time step: log column `dt_limit`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limit {
+    /// `set_dt`.
+    Fixed,
+    /// A wave and the particles may not cross more than a cell: h/(c + |v|).
+    Acoustic,
+    /// det(I + dt L) stays positive: 0.3/||L||.
+    Rate,
+    /// A step is at most 1.1 times the one before.
+    Growth,
+    /// `run_time` lands on its end.
+    End,
+}
+
+impl Limit {
+    /// The word in the log.
+    pub fn name(self) -> &'static str {
+        match self {
+            Limit::Fixed => "fixed",
+            Limit::Acoustic => "acoustic",
+            Limit::Rate => "rate",
+            Limit::Growth => "growth",
+            Limit::End => "end",
+        }
+    }
+}
+
+/// A step size \[T\] and what limits it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimeStep {
+    /// The size \[T\].
+    pub dt: f64,
+    /// What binds it.
+    pub limit: Limit,
+}
+
+/// Largest growth from one step to the next.
+const GROWTH: f64 = 1.1;
+
+/// Largest ||L|| dt: keeps det(I + dt L) > 0.
+const RATE: f64 = 0.3;
+
+/// The stable step for what the last sweep found: f h/(c + |v|) and 0.3/||L||.
+pub fn stable(report: &Report, cell: f64, factor: f64) -> TimeStep {
+    let acoustic = factor * cell / report.fastest;
+    let rate = RATE / report.rate.sqrt();
+    if rate < acoustic {
+        TimeStep { dt: rate, limit: Limit::Rate }
+    } else {
+        TimeStep { dt: acoustic, limit: Limit::Acoustic }
+    }
+}
+
+/// Keeps the step from growing too fast.
+pub fn limit_growth(next: TimeStep, before: f64) -> TimeStep {
+    if next.dt > GROWTH * before {
+        TimeStep { dt: GROWTH * before, limit: Limit::Growth }
+    } else {
+        next
+    }
+}
+
+/// Watches for a step that collapses.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Floor {
+    first: Option<f64>,
+    below: u32,
+}
+
+impl Floor {
+    /// True if the step has been below 1e-6 of the first one for 100 steps.
+    pub fn collapsed(&mut self, dt: f64) -> bool {
+        let first = *self.first.get_or_insert(dt);
+        self.below = if dt < 1e-6 * first { self.below + 1 } else { 0 };
+        self.below >= 100
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_smaller_limit_binds() {
+        let slow = Report { fastest: 10.0, rate: 1.0, ..Report::default() };
+        assert_eq!(stable(&slow, 0.5, 0.9), TimeStep { dt: 0.045, limit: Limit::Acoustic });
+        let sheared = Report { fastest: 10.0, rate: 1e4, ..Report::default() };
+        assert_eq!(stable(&sheared, 0.5, 0.9), TimeStep { dt: 0.003, limit: Limit::Rate });
+    }
+
+    #[test]
+    fn growth_is_limited_and_shrinking_is_not() {
+        let next = TimeStep { dt: 2.0, limit: Limit::Acoustic };
+        assert_eq!(limit_growth(next, 1.0), TimeStep { dt: 1.1, limit: Limit::Growth });
+        assert_eq!(limit_growth(next, 4.0), next);
+    }
+
+    #[test]
+    fn a_hundred_tiny_steps_are_a_collapse_but_ninety_nine_are_not() {
+        let mut floor = Floor::default();
+        assert!(!floor.collapsed(1.0));
+        assert!((0..99).all(|_| !floor.collapsed(1e-7)));
+        assert!(floor.collapsed(1e-7));
+        assert!(!floor.collapsed(1e-5));
+    }
+}

@@ -1,0 +1,50 @@
+//! Names what went wrong: particle, solid, place, step, time and the likely cause.
+
+use crate::fault::Fault;
+use crate::model::clock::Clock;
+use crate::world::World;
+
+/// "particle 12 of solid `ball` at (x, y) with velocity (vx, vy)".
+fn describe(world: &World, particle: usize) -> String {
+    let dimension = world.domain.dimension;
+    let list = |values: &[f64; 4]| {
+        let words: Vec<String> = values[..dimension].iter().map(|v| format!("{v:.6e}")).collect();
+        words.join(", ")
+    };
+    let particles = &world.particles;
+    format!(
+        "particle {} of solid `{}` at ({}) with velocity ({})",
+        particles.id[particle],
+        world.solids[particles.solid[particle] as usize].name,
+        list(&particles.position[particle]),
+        list(&particles.velocity[particle]),
+    )
+}
+
+fn when(clock: &Clock) -> String {
+    format!("step {}, time {:.6e}, dt {:.3e}", clock.step, clock.end(), clock.dt)
+}
+
+/// Some velocity is not a finite number.
+pub fn not_finite(world: &World, clock: &Clock) -> Fault {
+    let lost = world.particles.velocity.iter().position(|v| v[..3].iter().any(|x| !x.is_finite()));
+    let who = lost.map_or_else(|| "a particle".to_string(), |p| describe(world, p));
+    Fault::run(format!("the velocity is not finite: {who}; {}", when(clock)))
+        .because("the time step is too large, or a formula or a stiffness has run away; try a smaller `set_dt` or `dt_factor`")
+}
+
+/// A law reports det F <= 0 or a stress that is not finite.
+pub fn inverted(world: &World, particle: usize, clock: &Clock) -> Fault {
+    let what = format!(
+        "the material is turned inside out (det F <= 0): {}; {}",
+        describe(world, particle),
+        when(clock)
+    );
+    Fault::run(what).because("the body is crushed within one step; try a smaller `set_dt` or `dt_factor`, or a finer grid")
+}
+
+/// A particle is outside the box.
+pub fn escaped(world: &World, particle: usize, clock: &Clock) -> Fault {
+    let what = format!("a particle left the box: {}; {}", describe(world, particle), when(clock));
+    Fault::run(what).because("make the box of `dimension` larger, or hold the body with fixes")
+}
