@@ -1,0 +1,97 @@
+//! Everything that leaves the program: log, dumps, pictures, figures.
+
+pub mod canvas;
+pub mod file;
+pub mod gzip;
+pub mod lammps;
+pub mod log;
+pub mod nodes;
+pub mod number;
+pub mod particle;
+pub mod picture;
+pub mod plot;
+pub mod schedule;
+
+use crate::fault::Fault;
+use crate::fix::GroupKind;
+use crate::model::group::GroupId;
+use crate::plan::Plan;
+use crate::script::arguments::Args;
+use crate::script::diagnostic::Diagnostic;
+use crate::script::formula::Formula;
+use crate::script::source::Span;
+use crate::style::Style;
+use crate::world::World;
+use std::path::PathBuf;
+
+pub use schedule::{OutputOptions, Outputs};
+
+/// The state to write: after a whole step, time at its end.
+pub struct Snapshot<'a> {
+    /// Steps done.
+    pub step: u64,
+    /// Time \[T\].
+    pub time: f64,
+    /// Everything that has a place.
+    pub world: &'a World,
+}
+
+/// A series of files.
+pub trait Dump: Send {
+    /// What its fields need of the scene.
+    fn needs(&self, plan: &mut Plan, dimension: usize);
+
+    /// Writes one snapshot; gives the file written.
+    ///
+    /// # Errors
+    /// The path and the system's reason.
+    fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<PathBuf, Fault>;
+}
+
+/// A column of the log.
+#[derive(Clone)]
+pub enum LogColumn {
+    /// Size of the step.
+    Dt,
+    /// Time.
+    Time,
+    /// What limits the size of the step.
+    DtLimit,
+    /// A variable or result.
+    Quantity {
+        /// Its name.
+        name: String,
+        /// Its formula.
+        formula: Formula,
+    },
+}
+
+/// What a dump is about.
+pub struct DumpTarget {
+    /// The group.
+    pub group: GroupId,
+    /// Its kind.
+    pub kind: GroupKind,
+    /// Where its name stands in the script.
+    pub group_span: Span,
+    /// The file, `*` for the step.
+    pub file: String,
+    /// Where its name stands in the script.
+    pub file_span: Span,
+    /// 1, 2 or 3.
+    pub dimension: usize,
+}
+
+/// Builds a dump from its arguments.
+pub type BuildDump = fn(&mut Args<'_>, &DumpTarget) -> Result<Box<dyn Dump>, Diagnostic>;
+
+/// All dump styles.
+pub const DUMPS: &[Style<BuildDump>] = &[
+    particle::TEXT,
+    particle::GZIP,
+    particle::BINARY,
+    nodes::TEXT,
+    nodes::GZIP,
+    nodes::BINARY,
+    picture::STYLE,
+];

@@ -1,0 +1,189 @@
+//! Dumps of the grid.
+
+use super::lammps::{Format, Series, Table, Values, corners};
+use super::{BuildDump, Dump, DumpTarget, Snapshot};
+use crate::fault::Fault;
+use crate::fix::GroupKind;
+use crate::model::group::{GroupId, Members};
+use crate::plan::Plan;
+use crate::script::arguments::Args;
+use crate::script::diagnostic::{Code, Diagnostic};
+use crate::script::suggest;
+use crate::style::Style;
+use crate::world::World;
+use std::path::PathBuf;
+
+const FIELDS: [&str; 16] = [
+    "x", "y", "z", "vx", "vy", "vz", "bx", "by", "bz", "mass", "mask", "rigid", "T", "ntypex",
+    "ntypey", "ntypez",
+];
+
+const MANUAL: &str = "\
+Fields: x y z vx vy vz bx by bz mass mask rigid T ntypex ntypey ntypez: mass and velocity as the
+particles give them at the end of the step, b the external force of the step. Every node of the
+box stands in the file once, with id (i ny + j) nz + k + 1; nodes without particles are 0.";
+
+const fn row(name: &'static str, summary: &'static str, build: BuildDump) -> Style<BuildDump> {
+    Style { name, usage: "field, ...", summary, manual: MANUAL, build: Some(build) }
+}
+
+/// The row of `grid`.
+pub const TEXT: Style<BuildDump> =
+    row("grid", "nodes as LAMMPS text", |args, target| build(args, target, Format::Text));
+
+/// The row of `grid/gz`.
+pub const GZIP: Style<BuildDump> =
+    row("grid/gz", "the same, compressed", |args, target| build(args, target, Format::Gzip));
+
+/// The row of `grid/bin`.
+pub const BINARY: Style<BuildDump> =
+    row("grid/bin", "nodes in LAMMPS's binary layout", |args, t| build(args, t, Format::Binary));
+
+fn build(
+    args: &mut Args<'_>,
+    target: &DumpTarget,
+    format: Format,
+) -> Result<Box<dyn Dump>, Diagnostic> {
+    if target.kind == GroupKind::Particles {
+        let message = "a dump of the grid needs `all` or a group of nodes";
+        return Err(Diagnostic::error(Code::GroupKind, target.group_span, message)
+            .label("this is a group of particles"));
+    }
+    let mut names = Vec::new();
+    loop {
+        let name = args.word("a field")?;
+        if !FIELDS.contains(&name.text.as_str()) {
+            let message = format!("a dump of the grid has no field `{}`", name.text);
+            let otherwise = format!("fields: {}", FIELDS.join(" "));
+            return Err(Diagnostic::error(Code::UnknownField, name.span, message)
+                .label("not a field")
+                .help(suggest::help(&name.text, FIELDS.into_iter(), &otherwise)));
+        }
+        names.push(name.text);
+        if args.remaining() == 0 {
+            break;
+        }
+    }
+    let series = Series::new(&target.file, format);
+    Ok(Box::new(GridDump { group: target.group, names, series }))
+}
+
+struct GridDump {
+    group: GroupId,
+    names: Vec<String>,
+    series: Series,
+}
+
+impl Dump for GridDump {
+    fn needs(&self, plan: &mut Plan, _dimension: usize) {
+        plan.external_force |=
+            self.names.iter().any(|name| ["bx", "by", "bz"].contains(&name.as_str()));
+    }
+
+    fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<PathBuf, Fault> {
+        let world = snapshot.world;
+        let nodes = all_nodes(world, self.group);
+        let order: Vec<u32> = (0..nodes.len() as u32).collect();
+        let [_, ny, nz] = world.domain.nodes();
+        let values = self.names.iter().map(|name| values(name, world, &nodes)).collect();
+        self.series.write(&Table {
+            step: snapshot.step,
+            time: snapshot.time,
+            corners: corners(&world.domain),
+            names: &self.names,
+            order: &order,
+            id: &|place| {
+                let [i, j, k] = nodes[place];
+                ((i * ny + j) * nz + k) as u64 + 1
+            },
+            kind: &|_| 1,
+            values,
+        })
+    }
+}
+
+/// The nodes of a group, by ascending id.
+fn all_nodes(world: &World, group: GroupId) -> Vec<[usize; 3]> {
+    let [nx, ny, nz] = world.domain.nodes();
+    let mut nodes = Vec::new();
+    for i in 0..nx {
+        for j in 0..ny {
+            for k in 0..nz {
+                let place = world.domain.node([i, j, k]);
+                if belongs(&world.groups[group].members, place) {
+                    nodes.push([i, j, k]);
+                }
+            }
+        }
+    }
+    nodes
+}
+
+fn belongs(members: &Members, place: [f64; 3]) -> bool {
+    match members {
+        Members::All => true,
+        Members::Nodes { regions } => regions.iter().any(|region| region.contains(place)),
+        Members::Particles { .. } => false,
+    }
+}
+
+/// Groups whose membership fits the digits of an f64.
+const MASK_BITS: usize = 52;
+
+/// Node type per axis (language.md 9.7): 0 inside, -2, -1 at the lower and 2, 1 at the upper end.
+fn node_type(i: usize, count: usize) -> f64 {
+    i.min(2) as f64 - (count - 1 - i).min(2) as f64
+}
+
+/// The column of a field.
+fn values<'a>(name: &str, world: &'a World, nodes: &[[usize; 3]]) -> Values<'a> {
+    let grid = &world.grid;
+    let each = |value: &dyn Fn([usize; 3]) -> f64| {
+        Values::Made(nodes.iter().map(|node| value(*node)).collect())
+    };
+    let active = |node: [usize; 3]| grid.window.local(node);
+    let axis = |names: [&str; 3]| names.iter().position(|known| *known == name);
+    if let Some(axis) = axis(["x", "y", "z"]) {
+        return each(&|node| world.domain.node(node)[axis]);
+    }
+    if let Some(axis) = axis(["vx", "vy", "vz"]) {
+        return each(&|node| {
+            let motion = active(node).map_or([0.0; 4], |local| grid.nodes[local].motion);
+            if motion[3] > grid.mass_cutoff { motion[axis] / motion[3] } else { 0.0 }
+        });
+    }
+    if let Some(axis) = axis(["bx", "by", "bz"]) {
+        return each(&|node| {
+            active(node).and_then(|local| grid.external.get(local)).map_or(0.0, |b| b[axis])
+        });
+    }
+    if let Some(axis) = axis(["ntypex", "ntypey", "ntypez"]) {
+        let count = world.domain.nodes()[axis];
+        return each(&|node| {
+            if count > 1 { node_type(node[axis], count) } else { 0.0 }
+        });
+    }
+    match name {
+        "mass" => each(&|node| active(node).map_or(0.0, |local| grid.nodes[local].motion[3])),
+        "mask" => each(&|node| {
+            let place = world.domain.node(node);
+            let groups = world.groups.0.iter().take(MASK_BITS).enumerate();
+            let member = |(bit, group): (usize, &crate::model::group::Group)| {
+                if belongs(&group.members, place) { (1u64 << bit) as f64 } else { 0.0 }
+            };
+            groups.map(member).sum()
+        }),
+        _ => Values::Constant(0.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn node_types_at_both_ends() {
+        let types: Vec<f64> = (0..6).map(|i| node_type(i, 6)).collect();
+        assert_eq!(types, [-2.0, -1.0, 0.0, 0.0, 1.0, 2.0]);
+    }
+}

@@ -1,0 +1,168 @@
+//! Pictures of particles and nodes (`pyplot`).
+
+use super::canvas::{Anchor, Canvas, Colour, Mark, round_step};
+use super::{BuildDump, Dump, DumpTarget, Snapshot, file, number};
+use crate::fault::Fault;
+use crate::fix::GroupKind;
+use crate::model::domain::Domain;
+use crate::plan::Plan;
+use crate::script::arguments::Args;
+use crate::script::diagnostic::{Code, Diagnostic};
+use crate::style::Style;
+use std::path::PathBuf;
+
+/// The row of the table.
+pub const STYLE: Style<BuildDump> = Style {
+    name: "pyplot",
+    usage: "[w, h]",
+    summary: "pictures: nodes as crosses, particles as dots coloured by solid",
+    manual: "\
+w x h pixels, 1200 x 780 unless given; the suffix .pdf, .png or .svg chooses the format. `*` in
+the name is the step, without it the picture is overwritten. 3-D is seen along -z.",
+    build: Some(build),
+};
+
+/// Largest side of a picture.
+const LARGEST: f64 = 16384.0;
+
+/// More nodes than this are not drawn one by one.
+const MOST_CROSSES: usize = 40_000;
+
+fn build(args: &mut Args<'_>, target: &DumpTarget) -> Result<Box<dyn Dump>, Diagnostic> {
+    if target.kind != GroupKind::All {
+        let message = "a picture shows the group `all`";
+        return Err(
+            Diagnostic::error(Code::GroupKind, target.group_span, message).label("not `all`")
+        );
+    }
+    let known = [".pdf", ".png", ".svg"];
+    if !known.iter().any(|suffix| target.file.ends_with(suffix)) {
+        let message = format!("`{}` has no suffix of a picture", target.file);
+        return Err(Diagnostic::error(Code::UnknownField, target.file_span, message)
+            .label("unknown suffix")
+            .help(format!("one of {}", known.join(", "))));
+    }
+    let mut size = [1200.0, 780.0];
+    if args.remaining() > 0 {
+        size = [
+            args.within("the width", 16.0, LARGEST)?.value,
+            args.within("the height", 16.0, LARGEST)?.value,
+        ];
+    }
+    let [width, height] = size.map(|side| side as u32);
+    Ok(Box::new(Picture { pattern: target.file.clone(), width, height }))
+}
+
+struct Picture {
+    pattern: String,
+    width: u32,
+    height: u32,
+}
+
+impl Dump for Picture {
+    fn needs(&self, _plan: &mut Plan, _dimension: usize) {}
+
+    fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<PathBuf, Fault> {
+        let path = PathBuf::from(self.pattern.replace('*', &snapshot.step.to_string()));
+        file::write_whole(&path, &draw(snapshot, self.width, self.height).encode(&path))?;
+        Ok(path)
+    }
+}
+
+/// From places \[L\] to pixels: equal scale on both axes, x to the right, y upwards.
+struct Frame {
+    lower: [f64; 2],
+    upper: [f64; 2],
+    scale: f64,
+    origin: [f64; 2],
+}
+
+const MARGIN: f64 = 50.0;
+
+impl Frame {
+    fn new(domain: &Domain, width: u32, height: u32) -> Self {
+        let [mut lower, mut upper] = [domain.lower, domain.upper].map(|c| [c[0], c[1]]);
+        if domain.dimension == 1 {
+            (lower[1], upper[1]) = (-domain.cell, domain.cell);
+        }
+        let size = [upper[0] - lower[0], upper[1] - lower[1]];
+        let room = [f64::from(width), f64::from(height)].map(|side| (side - 2.0 * MARGIN).max(8.0));
+        let scale = (room[0] / size[0]).min(room[1] / size[1]);
+        let middle = [0, 1].map(|a| 0.5 * (lower[a] + upper[a]));
+        let origin = [
+            0.5 * f64::from(width) - scale * middle[0],
+            0.5 * f64::from(height) + scale * middle[1],
+        ];
+        Self { lower, upper, scale, origin }
+    }
+
+    fn pixel(&self, x: f64, y: f64) -> [f32; 2] {
+        [(self.origin[0] + self.scale * x) as f32, (self.origin[1] - self.scale * y) as f32]
+    }
+}
+
+/// The picture of a snapshot.
+fn draw(snapshot: &Snapshot<'_>, width: u32, height: u32) -> Canvas {
+    let world = snapshot.world;
+    let frame = Frame::new(&world.domain, width, height);
+    let mut canvas = Canvas::new(width, height);
+    crosses(&mut canvas, &frame, &world.domain);
+    for solid in 0..world.solids.len() {
+        let of_solid = |p: &usize| world.particles.solid[*p] as usize == solid;
+        let place = |p: usize| {
+            let [x, y, ..] = world.particles.position[p];
+            frame.pixel(x, y)
+        };
+        let centres = (0..world.particles.len()).filter(of_solid).map(place).collect();
+        let spacing = world.domain.cell / world.solids[solid].particles_per_cell as f64;
+        let radius = (0.4 * spacing * frame.scale).clamp(0.5, 20.0) as f32;
+        canvas.marks.push(Mark::Dots { centres, radius, colour: Colour::of(solid) });
+    }
+    axes(&mut canvas, &frame);
+    let title = format!("t = {}", number::brief(snapshot.time));
+    canvas.text([0.5 * width as f32, 0.5 * MARGIN as f32], 16.0, Anchor::Middle, title);
+    canvas
+}
+
+fn crosses(canvas: &mut Canvas, frame: &Frame, domain: &Domain) {
+    const ARM: f32 = 2.0;
+    let [nx, ny, _] = domain.nodes();
+    if nx.saturating_mul(ny) > MOST_CROSSES {
+        return;
+    }
+    let mut segments = Vec::with_capacity(2 * nx * ny);
+    for i in 0..nx {
+        for j in 0..ny {
+            let [x, y, _] = domain.node([i, j, 0]);
+            let [x, y] = frame.pixel(x, y);
+            segments.push([[x - ARM, y], [x + ARM, y]]);
+            segments.push([[x, y - ARM], [x, y + ARM]]);
+        }
+    }
+    canvas.marks.push(Mark::Lines { segments, width: 0.7, colour: Colour::GREY });
+}
+
+/// The border of the box with ticks at round numbers.
+fn axes(canvas: &mut Canvas, frame: &Frame) {
+    let ([x0, y0], [x1, y1]) = (frame.lower, frame.upper);
+    let corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]];
+    let points = corners.map(|[x, y]| frame.pixel(x, y)).to_vec();
+    canvas.marks.push(Mark::Path { points, width: 1.0, colour: Colour::BLACK });
+    for axis in 0..2 {
+        let (low, high) = (frame.lower[axis], frame.upper[axis]);
+        let step = round_step(high - low, 5.0);
+        let first = (low / step).ceil() as i64;
+        let last = (high / step + 1e-9).floor() as i64;
+        for tick in first..=last {
+            let value = tick as f64 * step;
+            let label = number::brief(value);
+            if axis == 0 {
+                let [x, y] = frame.pixel(value, y0);
+                canvas.text([x, y + 16.0], 12.0, Anchor::Middle, label);
+            } else {
+                let [x, y] = frame.pixel(x0, value);
+                canvas.text([x - 6.0, y + 4.0], 12.0, Anchor::End, label);
+            }
+        }
+    }
+}

@@ -1,0 +1,362 @@
+//! What is written when.
+
+use super::log::{Cell, Log};
+use super::{Dump, LogColumn, Snapshot, number, plot};
+use crate::fault::Fault;
+use crate::plan::Plan;
+use crate::script::formula::{Board, Formula, Instant, Slot};
+use crate::timing::Timing;
+use std::path::PathBuf;
+use std::time;
+
+/// How much is shown and where the log goes.
+pub struct OutputOptions {
+    /// Nothing on the screen.
+    pub quiet: bool,
+    /// The log file.
+    pub log: Option<PathBuf>,
+    /// First line of the log: program, version, script.
+    pub title: String,
+}
+
+struct DumpEntry {
+    id: String,
+    interval: u64,
+    dump: Box<dyn Dump>,
+    last: Option<u64>,
+}
+
+/// A curve of the figure.
+struct Curve {
+    id: String,
+    interval: u64,
+    x: (String, Formula),
+    y: (String, Formula),
+    points: Vec<[f64; 2]>,
+    last: Option<u64>,
+}
+
+/// Files written of one pattern.
+struct Written {
+    name: String,
+    count: u64,
+}
+
+/// All outputs of a simulation.
+pub struct Outputs {
+    log: Log,
+    title: Option<String>,
+    interval: u64,
+    columns: Vec<LogColumn>,
+    /// Step of the last row, unless the columns have changed since.
+    last_row: Option<u64>,
+    dumps: Vec<DumpEntry>,
+    curves: Vec<Curve>,
+    figure: Option<PathBuf>,
+    written: Vec<Written>,
+    /// Start of the run and step number then.
+    run: Option<(time::Instant, u64)>,
+    whole: time::Instant,
+    fault: Option<Fault>,
+}
+
+impl Outputs {
+    /// Outputs with a log and nothing else.
+    pub fn new(options: OutputOptions) -> Self {
+        Self {
+            log: Log::new(options.log, !options.quiet),
+            title: Some(options.title),
+            interval: 1,
+            columns: vec![LogColumn::Dt, LogColumn::Time],
+            last_row: None,
+            dumps: Vec::new(),
+            curves: Vec::new(),
+            figure: None,
+            written: Vec::new(),
+            run: None,
+            whole: time::Instant::now(),
+            fault: None,
+        }
+    }
+
+    /// Outputs that write and show nothing, for runs from code.
+    pub fn silent() -> Self {
+        let title = String::new();
+        let mut outputs = Self::new(OutputOptions { quiet: true, log: None, title });
+        outputs.interval = 0;
+        outputs
+    }
+
+    /// A log row every so many steps; 0: first and last.
+    pub fn set_log_interval(&mut self, interval: u64) {
+        self.interval = interval;
+    }
+
+    /// The columns after `Step`.
+    pub fn set_log_columns(&mut self, columns: Vec<LogColumn>) {
+        self.columns = columns;
+        self.last_row = None;
+    }
+
+    /// Adds a dump, or replaces the one of that ID in place.
+    pub fn add_dump(&mut self, id: &str, interval: u64, dump: Box<dyn Dump>) {
+        let entry = DumpEntry { id: id.to_string(), interval, dump, last: None };
+        match self.dumps.iter_mut().find(|known| known.id == id) {
+            Some(known) => *known = entry,
+            None => self.dumps.push(entry),
+        }
+    }
+
+    /// Ends a dump.
+    pub fn delete_dump(&mut self, id: &str) {
+        self.dumps.retain(|dump| dump.id != id);
+    }
+
+    /// Adds a curve to the figure.
+    pub fn add_plot(
+        &mut self,
+        id: &str,
+        interval: u64,
+        x: (String, Formula),
+        y: (String, Formula),
+    ) {
+        let (id, points) = (id.to_string(), Vec::new());
+        self.curves.push(Curve { id, interval, x, y, points, last: None });
+    }
+
+    /// Names the file of the figure, which every end of a run writes anew.
+    pub fn save_plot(&mut self, file: &str) {
+        self.figure = Some(PathBuf::from(file));
+    }
+
+    /// A line on the screen and in the log.
+    pub fn say(&mut self, line: &str) {
+        let said = self.open().and_then(|()| self.log.line(line));
+        // A statement that only talks cannot fail; the next row reports the file.
+        self.fault = self.fault.take().or(said.err());
+    }
+
+    fn open(&mut self) -> Result<(), Fault> {
+        match self.title.take() {
+            Some(title) if !title.is_empty() => self.log.line(&title),
+            _ => Ok(()),
+        }
+    }
+
+    /// What the dumps need of the scene.
+    pub fn needs(&self, plan: &mut Plan, dimension: usize) {
+        self.dumps.iter().for_each(|entry| entry.dump.needs(plan, dimension));
+    }
+
+    /// Starts a run: summary, header.
+    ///
+    /// # Errors
+    /// The log cannot be written.
+    pub fn begin_run(
+        &mut self,
+        step: u64,
+        summary: &[(&'static str, String)],
+        steps: Option<u64>,
+        megabytes: f64,
+    ) -> Result<(), Fault> {
+        if let Some(fault) = self.fault.take() {
+            return Err(fault);
+        }
+        self.open()?;
+        for (name, value) in summary {
+            self.log.line(&format!("{name:<18}{value}"))?;
+        }
+        let memory = number::brief(megabytes);
+        self.log.line(&format!(
+            "Per MPI rank memory allocation (min/avg/max) = {memory} | {memory} | {memory} Mbytes"
+        ))?;
+        let name = |column: &LogColumn| match column {
+            LogColumn::Dt => "dt".to_string(),
+            LogColumn::Time => "Time".to_string(),
+            LogColumn::DtLimit => "dt_limit".to_string(),
+            LogColumn::Quantity { name, .. } => name.clone(),
+        };
+        let names: Vec<String> = self.columns.iter().map(name).collect();
+        self.log.header(&names)?;
+        self.log.start_progress(steps);
+        self.run = Some((time::Instant::now(), step));
+        Ok(())
+    }
+
+    /// Is anything due after this step?
+    pub fn is_due(&self, step: u64, last: bool) -> bool {
+        self.row_due(step, last)
+            || self.dumps.iter().any(|entry| entry.due(step))
+            || self.curves.iter().any(|curve| curve.due(step, last))
+    }
+
+    fn row_due(&self, step: u64, last: bool) -> bool {
+        let first = self.run.is_some_and(|(_, start)| step == start);
+        let regular = if self.interval == 0 { first } else { step.is_multiple_of(self.interval) };
+        (regular || last) && self.last_row != Some(step)
+    }
+
+    /// Results that must be up to date before [`Outputs::write`].
+    pub fn slots_due(&self, step: u64, last: bool) -> Vec<Slot> {
+        let mut slots = Vec::new();
+        if self.row_due(step, last) {
+            for column in &self.columns {
+                if let LogColumn::Quantity { formula, .. } = column {
+                    slots.extend_from_slice(formula.slots());
+                }
+            }
+        }
+        for curve in self.curves.iter().filter(|curve| curve.due(step, last)) {
+            slots.extend(curve.x.1.slots().iter().chain(curve.y.1.slots()));
+        }
+        slots.sort();
+        slots.dedup();
+        slots
+    }
+
+    /// Writes what is due.
+    ///
+    /// # Errors
+    /// The first file that cannot be written.
+    pub fn write(
+        &mut self,
+        snapshot: &Snapshot<'_>,
+        board: &Board,
+        now: &Instant,
+        dt_limit: &str,
+        last: bool,
+    ) -> Result<(), Fault> {
+        let step = snapshot.step;
+        for entry in self.dumps.iter_mut().filter(|entry| entry.due(step)) {
+            let path = entry.dump.write(snapshot)?;
+            entry.last = Some(step);
+            note(&mut self.written, &path, step);
+        }
+        for curve in self.curves.iter_mut().filter(|curve| curve.due(step, last)) {
+            curve.points.push([curve.x.1.value(board, now), curve.y.1.value(board, now)]);
+            curve.last = Some(step);
+        }
+        if self.row_due(step, last) {
+            let cell = |column: &LogColumn| match column {
+                LogColumn::Dt => Cell::Number(now.dt),
+                LogColumn::Time => Cell::Number(now.time),
+                LogColumn::DtLimit => Cell::Word(dt_limit.to_string()),
+                LogColumn::Quantity { formula, .. } => Cell::Number(formula.value(board, now)),
+            };
+            let cells: Vec<Cell> =
+                std::iter::once(Cell::Integer(step)).chain(self.columns.iter().map(cell)).collect();
+            self.log.row(&cells)?;
+            self.last_row = Some(step);
+        }
+        if let Some((_, start)) = self.run {
+            self.log.progress(step - start);
+        }
+        Ok(())
+    }
+
+    /// Ends a run: loop time, speed, time by phase, figure.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn end_run(&mut self, steps: u64, particles: usize, timing: &Timing) -> Result<(), Fault> {
+        self.log.end_progress();
+        let Some((start, _)) = self.run.take() else {
+            return Ok(());
+        };
+        let seconds = start.elapsed().as_secs_f64();
+        self.log.line(&format!(
+            "Loop time of {} on 1 procs for {steps} steps with {particles} particles",
+            number::brief(seconds)
+        ))?;
+        if steps > 0 {
+            let rate = steps as f64 / seconds;
+            self.log.line(&format!(
+                "Performance: {} steps/s, {} Mparticle-steps/s on {} threads",
+                number::brief(rate),
+                number::brief(1e-6 * rate * particles as f64),
+                rayon::current_num_threads()
+            ))?;
+            self.log.line("Time by phase:")?;
+            let all: f64 = timing.seconds().map(|(_, spent)| spent).sum();
+            for (phase, spent) in timing.seconds().filter(|(_, spent)| *spent > 0.0) {
+                self.log.line(&format!(
+                    "  {phase:<12}{spent:>10.4} s {:>6.1} %",
+                    100.0 * spent / all
+                ))?;
+            }
+        }
+        self.write_figure()
+    }
+
+    /// The figure of all curves, anew at the end of every run.
+    fn write_figure(&mut self) -> Result<(), Fault> {
+        if self.curves.is_empty() {
+            return Ok(());
+        }
+        let path = self.figure.clone().unwrap_or_else(|| PathBuf::from("plot.pdf"));
+        let curves: Vec<plot::Curve<'_>> = self
+            .curves
+            .iter()
+            .map(|c| plot::Curve { name: &c.id, axes: [&c.x.0, &c.y.0], points: &c.points })
+            .collect();
+        plot::save(&path, &curves)?;
+        note(&mut self.written, &path, u64::MAX);
+        Ok(())
+    }
+
+    /// The end of the script: what was written, and the time it took.
+    ///
+    /// # Errors
+    /// The log cannot be written.
+    pub fn close(&mut self) -> Result<(), Fault> {
+        self.log.end_progress();
+        if let Some(fault) = self.fault.take() {
+            return Err(fault);
+        }
+        for line in self.written() {
+            self.log.line(&format!("wrote {line}"))?;
+        }
+        if self.written.iter().any(|file| file.name.contains('*')) {
+            self.log.line("open the series of dumps in OVITO: Load File, any one of them")?;
+        }
+        let seconds = self.whole.elapsed().as_secs_f64();
+        self.log.line(&format!("Total wall time: {} s", number::brief(seconds)))
+    }
+
+    /// Files written so far, by pattern, with their number.
+    pub fn written(&self) -> Vec<String> {
+        let log = self.log.path().map(|path| path.display().to_string());
+        let files = self.written.iter().map(|file| match file.count {
+            1 => file.name.clone(),
+            count => format!("{} ({count} files)", file.name),
+        });
+        files.chain(log).collect()
+    }
+}
+
+/// Counts a file under its pattern: the step becomes `*`.
+fn note(written: &mut Vec<Written>, path: &std::path::Path, step: u64) {
+    let name = path.display().to_string();
+    let pattern = match name.rfind(&format!(".{step}.")) {
+        Some(place) => {
+            format!("{}.*{}", &name[..place], &name[place + 1 + step.to_string().len()..])
+        }
+        None => name,
+    };
+    match written.iter_mut().find(|known| known.name == pattern) {
+        Some(known) => known.count += u64::from(pattern.contains('*')),
+        None => written.push(Written { name: pattern, count: 1 }),
+    }
+}
+
+impl DumpEntry {
+    fn due(&self, step: u64) -> bool {
+        step.is_multiple_of(self.interval) && self.last != Some(step)
+    }
+}
+
+impl Curve {
+    fn due(&self, step: u64, last: bool) -> bool {
+        (last || step.is_multiple_of(self.interval)) && self.last != Some(step)
+    }
+}

@@ -1,0 +1,98 @@
+//! Owns all parts of a simulation and runs it.
+
+mod describe;
+pub mod fill;
+mod run;
+mod setup;
+
+use crate::compute::Compute;
+use crate::fix::Fix;
+use crate::measure::{self, Captured};
+use crate::model::clock::Clock;
+use crate::output::Outputs;
+use crate::plan::Plan;
+use crate::scheme::{Loops, Scheme};
+use crate::script::formula::{Board, Formula, Quantity};
+use crate::time_step::{Floor, TimeStep};
+use crate::transfer::Transfer;
+use crate::world::World;
+
+/// When a run ends.
+pub enum Until {
+    /// After so many steps.
+    Steps(u64),
+    /// After so much more time \[T\]; the last step lands on the end.
+    Time(f64),
+    /// When the condition, tested before each step, is false.
+    While(Formula),
+    /// When the condition, tested before each step, is true.
+    Condition(Formula),
+}
+
+/// Everything a simulation owns.
+pub struct Simulation {
+    /// Everything that has a place.
+    pub world: World,
+    /// Steps done, time now, size of the last step.
+    pub clock: Clock,
+    /// How particles take velocities from the grid.
+    pub transfer: Transfer,
+    /// Constant dt of `set_dt`, or `None`: adaptive.
+    pub fixed_dt: Option<f64>,
+    /// Factor on the adaptive dt.
+    pub dt_factor: f64,
+    /// What the scene needs.
+    pub plan: Plan,
+    /// Values of published quantities.
+    pub board: Board,
+    /// What each slot of the board holds.
+    pub quantities: Vec<Quantity>,
+    /// All fixes, in order of definition.
+    pub fixes: Vec<(String, Box<dyn Fix>)>,
+    /// All computes, in order of definition.
+    pub computes: Vec<(String, Box<dyn Compute>)>,
+    /// Log, dumps, figures.
+    pub outputs: Outputs,
+    scheme: &'static dyn Scheme,
+    loops: Loops,
+    captured: Captured,
+    /// Fixes that have had their start.
+    started: Vec<String>,
+    /// Size of the coming step and what limits it.
+    next: Option<TimeStep>,
+    floor: Floor,
+    /// Bits of particle groups given out so far.
+    bits: usize,
+}
+
+impl Simulation {
+    /// Current value of a published quantity.
+    pub fn measure(&self, quantity: &Quantity) -> f64 {
+        measure::value(quantity, &self.world, &self.fixes, &self.computes, &self.captured)
+    }
+
+    /// Adds a fix, or replaces the one of that ID in place.
+    pub fn add_fix(&mut self, id: &str, fix: Box<dyn Fix>) {
+        self.started.retain(|name| name != id);
+        match self.fixes.iter_mut().find(|(name, _)| name == id) {
+            Some(known) => known.1 = fix,
+            None => self.fixes.push((id.to_string(), fix)),
+        }
+    }
+
+    /// Removes a fix.
+    pub fn delete_fix(&mut self, id: &str) {
+        self.fixes.retain(|(name, _)| name != id);
+        self.started.retain(|name| name != id);
+    }
+
+    /// Adds a compute.
+    pub fn add_compute(&mut self, id: &str, compute: Box<dyn Compute>) {
+        self.computes.push((id.to_string(), compute));
+    }
+
+    /// Removes a compute.
+    pub fn delete_compute(&mut self, id: &str) {
+        self.computes.retain(|(name, _)| name != id);
+    }
+}

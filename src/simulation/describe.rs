@@ -1,0 +1,146 @@
+//! What a run is about: the summary at its start, and `check`.
+
+use super::{Simulation, Until};
+use crate::fault::Fault;
+use crate::memory;
+use crate::model::column::Column;
+use crate::model::grid::Node;
+use crate::model::group::Members;
+use crate::step::Stage;
+use crate::time_step::TimeStep;
+use std::fmt::Write;
+
+impl Simulation {
+    /// Prepares the state a run would start from, and gives its stable time step; `None` without
+    /// particles. Fixes that act once do so.
+    ///
+    /// # Errors
+    /// A formula of a fix that is not finite.
+    pub fn stable_limit(&mut self) -> Result<Option<TimeStep>, Fault> {
+        self.ready()?;
+        Ok((!self.world.particles.is_empty()).then(|| self.stable_now()))
+    }
+
+    /// The steps a run will take, as far as that is known.
+    pub fn expected_steps(&self, until: &Until) -> Option<u64> {
+        match until {
+            Until::Steps(steps) => Some(*steps),
+            Until::Time(time) => {
+                let dt = self.fixed_dt.unwrap_or_else(|| self.stable_now().dt);
+                Some((time / dt).ceil() as u64)
+            }
+            Until::While(_) | Until::Condition(_) => None,
+        }
+    }
+
+    /// Numbers that show wrong units and wrong sizes at once.
+    pub fn summary(&self) -> Vec<(&'static str, String)> {
+        let world = &self.world;
+        let mass: f64 = world.particles.position.iter().map(|position| position[3]).sum();
+        let waves = world.solids.iter().map(|solid| solid.law.reference_wave_speed());
+        let stable = self.stable_now();
+        let cells = world.domain.cells();
+        let grid: Vec<String> =
+            cells[..world.domain.dimension].iter().map(|n| n.to_string()).collect();
+        let dt = match self.fixed_dt {
+            Some(dt) => format!("{dt} (set_dt); stable: {:.4e}", stable.dt),
+            None => format!("{:.4e} ({} limit)", stable.dt, stable.limit.name()),
+        };
+        vec![
+            ("particles", format!("{} in {} solids", world.particles.len(), world.solids.len())),
+            ("grid", format!("{} cells of {}", grid.join(" x "), world.domain.cell)),
+            ("nodes in memory", world.grid.window.len().to_string()),
+            ("mass", format!("{mass:.6e}")),
+            ("wave speed", format!("{:.6e}", waves.fold(0.0, f64::max))),
+            ("first time step", dt),
+            ("memory", memory::text(self.bytes() as f64)),
+            ("threads", rayon::current_num_threads().to_string()),
+        ]
+    }
+
+    /// Bytes of particles and nodes.
+    pub fn bytes(&self) -> usize {
+        let world = &self.world;
+        let nodes = world.grid.window.len() * (std::mem::size_of::<Node>() + 32);
+        world.particles.len() * world.particles.bytes_each() + nodes
+    }
+
+    /// What would run: sizes, effects on and off with their reasons.
+    ///
+    /// # Errors
+    /// A formula of a fix that is not finite.
+    pub fn describe(&mut self, until: &Until) -> Result<String, Fault> {
+        self.ready()?;
+        let mut text = String::new();
+        for (name, value) in self.summary() {
+            let _ = writeln!(text, "{name:<18}{value}");
+        }
+        if let Some(steps) = self.expected_steps(until) {
+            let _ = writeln!(text, "{:<18}about {steps}", "steps");
+        }
+        let _ = writeln!(text, "{:<18}{}", "bytes per particle", self.world.particles.bytes_each());
+        for (effect, reason) in self.effects() {
+            let _ = writeln!(text, "  {effect:<26}{reason}");
+        }
+        for (index, group) in self.world.groups.0.iter().enumerate().skip(1) {
+            let count = match &group.members {
+                Members::Nodes { .. } => {
+                    self.world.grid.of_group(crate::model::group::GroupId(index)).len()
+                }
+                members => {
+                    let particles = &self.world.particles;
+                    (0..particles.len()).filter(|p| particles.belongs(*p, members)).count()
+                }
+            };
+            let _ = writeln!(text, "  group {:<20}{count} members now", group.name);
+        }
+        Ok(text)
+    }
+
+    /// Effects of the scene: on or off, and why.
+    fn effects(&self) -> Vec<(&'static str, String)> {
+        let plan = self.make_plan();
+        let on = |yes: bool, why: &str, otherwise: &str| match yes {
+            true => format!("on: {why}"),
+            false => format!("off: {otherwise}"),
+        };
+        let has = |column: Column| plan.columns.contains(column);
+        let split = |stages: &[Stage]| stages.iter().any(|stage| plan.stages[*stage as usize]);
+        let acting: Vec<&str> = self
+            .fixes
+            .iter()
+            .filter(|(_, fix)| !fix.stages().is_empty())
+            .map(|(id, _)| id.as_str())
+            .collect();
+        vec![
+            ("stress", "on: every solid has a law".to_string()),
+            (
+                "deformation gradient",
+                on(has(Column::F11), "a law or an output reads F", "only J is needed"),
+            ),
+            ("adaptive time step", on(plan.wave_speed, "wave speeds are computed", "set_dt")),
+            (
+                "external nodal forces",
+                on(plan.external_force, "something reads them", "nothing reads them"),
+            ),
+            (
+                "fixes in every step",
+                on(!acting.is_empty(), &acting.join(", "), "no fix acts at a stage of the step"),
+            ),
+            (
+                "one sweep for G2P + P2G",
+                on(
+                    !split(&[Stage::PostGridToPoint, Stage::PostAdvanceParticles]),
+                    "no fix acts between",
+                    "a fix acts between",
+                ),
+            ),
+            (
+                "one sweep for stress + P2G",
+                on(!split(&[Stage::InitialIntegrate]), "no fix acts between", "a fix acts between"),
+            ),
+            ("temperature", "off: no material has a heat capacity".to_string()),
+            ("contact", "the grid's own, where bodies share nodes".to_string()),
+        ]
+    }
+}

@@ -1,0 +1,283 @@
+//! The loop over time steps.
+
+use super::{Simulation, Until};
+use crate::fault::Fault;
+use crate::interrupt;
+use crate::kernel::stress;
+use crate::kernel::tiles::Report;
+use crate::model::column::Column;
+use crate::output::Snapshot;
+use crate::plan::Plan;
+use crate::scheme::{Hooks, Parts};
+use crate::script::formula::{Instant, Slot};
+use crate::step::{Stage, Step};
+use crate::time_step::{self, Limit, TimeStep};
+use crate::timing::Phase;
+
+/// Nodes lighter than this part of the lightest particle are empty (only against 0/0). It lies
+/// below the cube of the smallest weight: a node near which a particle has a gradient weight must
+/// have a velocity, or free flight past a corner of a cell would make strain.
+const EMPTY: f64 = 1e-40;
+
+/// A rest of the run shorter than this part of dt joins the step before it.
+const JOINED: f64 = 1e-9;
+
+/// Where a run stands in time.
+struct Span {
+    start: f64,
+    end: f64,
+    steps: u64,
+}
+
+impl Simulation {
+    /// Runs.
+    ///
+    /// # Errors
+    /// The first fault; log and dumps written before it stay.
+    pub fn run(&mut self, until: Until) -> Result<(), Fault> {
+        let hooks = self.prepare()?;
+        let (summary, steps) = (self.summary(), self.expected_steps(&until));
+        let megabytes = 1e-6 * self.bytes() as f64;
+        self.outputs.begin_run(self.clock.step, &summary, steps, megabytes)?;
+        let mut span = Span { start: self.clock.time, end: f64::INFINITY, steps: 0 };
+        if let Until::Time(length) = until {
+            span.end = span.start + length;
+        }
+        self.output(false)?;
+        let mut previous = None;
+        while self.goes_on(&until, &span)? {
+            self.choose_step(&span, previous)?;
+            let report = self.step(&hooks)?;
+            previous = self.next.map(|next| next.dt);
+            span.steps += 1;
+            self.advance_clock(&span);
+            self.next = self.stable_step(&report);
+            let last = interrupt::requested() || !self.goes_on(&until, &span)?;
+            self.output(last)?;
+            if interrupt::requested() {
+                break;
+            }
+        }
+        self.outputs.end_run(span.steps, self.world.particles.len(), &self.loops.timing)
+    }
+
+    /// What the scene needs, as far as it is known now.
+    pub fn make_plan(&self) -> Plan {
+        let dimension = self.world.domain.dimension;
+        let mut plan = Plan { wave_speed: self.fixed_dt.is_none(), ..Plan::default() };
+        for solid in &self.world.solids {
+            plan.columns.extend(&[Column::J]);
+            plan.columns = plan.columns.union(solid.law.columns(dimension, self.world.rate));
+        }
+        for (_, fix) in &self.fixes {
+            fix.needs(&mut plan, dimension);
+            for stage in fix.stages() {
+                plan.stages[*stage as usize] = true;
+            }
+        }
+        for (_, compute) in &self.computes {
+            compute.needs(&mut plan, dimension);
+        }
+        self.outputs.needs(&mut plan, dimension);
+        plan
+    }
+
+    /// Start of a run (language.md 7.2): columns, fixes that act once, nodes, first dt.
+    fn prepare(&mut self) -> Result<Hooks, Fault> {
+        self.loops.timing.restart();
+        self.ready()?;
+        let hooks = self.hooks();
+        self.next = self.first_step();
+        let mut parts = self.parts(&hooks);
+        parts.points_to_grid();
+        parts.captured.internal(parts.world);
+        parts.loops.scattered = !hooks.any(&[Stage::InitialIntegrate]);
+        Ok(hooks)
+    }
+
+    /// Columns, sort and fixes that act once: all that must be there before the first dt.
+    pub(super) fn ready(&mut self) -> Result<(), Fault> {
+        self.board.values.resize(self.quantities.len(), 0.0);
+        self.captured.prepare(&self.quantities, &self.world);
+        self.plan = self.make_plan();
+        self.plan.external_force |= self.captured.reads_external();
+        self.world.particles.require(self.plan.columns);
+        let grid = &mut self.world.grid;
+        grid.separate_external = self.plan.external_force;
+        let masses = self.world.particles.position.iter().map(|position| position[3]);
+        grid.mass_cutoff = EMPTY * masses.filter(|m| *m > 0.0).fold(f64::INFINITY, f64::min);
+        for displacement in &mut self.world.particles.displacement {
+            *displacement = [0.0; 4];
+        }
+        self.loops.sorter.sort(&mut self.world, &mut self.loops.tiles);
+        self.loops.travelled = 0.0;
+        self.start_fixes()
+    }
+
+    /// Fixes that act once do so, in the order of their definition.
+    fn start_fixes(&mut self) -> Result<(), Fault> {
+        for index in 0..self.fixes.len() {
+            if self.started.contains(&self.fixes[index].0) {
+                continue;
+            }
+            let slots: Vec<Slot> =
+                self.fixes[index].1.formulas().iter().flat_map(|f| f.slots().to_vec()).collect();
+            self.refresh(&slots);
+            let step = &mut Step { clock: self.clock, world: &mut self.world, board: &self.board };
+            self.fixes[index].1.start(step)?;
+            self.started.push(self.fixes[index].0.clone());
+        }
+        Ok(())
+    }
+
+    fn hooks(&self) -> Hooks {
+        let mut hooks = Hooks::default();
+        for (index, (_, fix)) in self.fixes.iter().enumerate() {
+            for stage in fix.stages() {
+                hooks.at[*stage as usize].push(index);
+                let slots = &mut hooks.slots[*stage as usize];
+                slots.extend(fix.formulas().iter().flat_map(|formula| formula.slots()));
+                slots.sort();
+                slots.dedup();
+            }
+        }
+        hooks
+    }
+
+    fn parts<'a>(&'a mut self, hooks: &'a Hooks) -> Parts<'a> {
+        Parts {
+            clock: self.clock,
+            world: &mut self.world,
+            fixes: &mut self.fixes,
+            computes: &self.computes,
+            board: &mut self.board,
+            quantities: &self.quantities,
+            captured: &mut self.captured,
+            hooks,
+            plan: &self.plan,
+            transfer: self.transfer,
+            loops: &mut self.loops,
+        }
+    }
+
+    /// Brings results up to date.
+    fn refresh(&mut self, slots: &[Slot]) {
+        for slot in slots {
+            self.board.values[slot.0] = self.measure(&self.quantities[slot.0]);
+        }
+    }
+
+    /// Does the run go on with another step?
+    fn goes_on(&mut self, until: &Until, span: &Span) -> Result<bool, Fault> {
+        if interrupt::requested() {
+            return Ok(false);
+        }
+        let (condition, wanted) = match until {
+            Until::Steps(steps) => return Ok(span.steps < *steps),
+            Until::Time(_) => return Ok(self.clock.time < span.end),
+            Until::While(condition) => (condition, true),
+            Until::Condition(condition) => (condition, false),
+        };
+        self.refresh(condition.slots());
+        let dt = self.next.map_or(self.clock.dt, |next| next.dt);
+        let now = Instant { time: self.clock.time, dt, step: self.clock.step };
+        let value = condition.value(&self.board, &now);
+        if value.is_finite() {
+            Ok((value != 0.0) == wanted)
+        } else {
+            Err(Fault::run(format!(
+                "the condition `{}` of the run is not finite at step {}, time {:.6e}",
+                condition.text(),
+                now.step,
+                now.time
+            )))
+        }
+    }
+
+    /// The stable step before the first one of a run.
+    fn first_step(&mut self) -> Option<TimeStep> {
+        match self.fixed_dt {
+            Some(dt) => Some(TimeStep { dt, limit: Limit::Fixed }),
+            None => Some(self.stable_now()),
+        }
+    }
+
+    /// The stable step of the present state: for the first step of a run, `check` and warnings.
+    pub fn stable_now(&self) -> TimeStep {
+        let report = Report { fastest: stress::fastest(&self.world), ..Report::default() };
+        time_step::stable(&report, self.world.domain.cell, self.dt_factor)
+    }
+
+    fn stable_step(&self, report: &Report) -> Option<TimeStep> {
+        Some(match self.fixed_dt {
+            Some(dt) => TimeStep { dt, limit: Limit::Fixed },
+            None => time_step::stable(report, self.world.domain.cell, self.dt_factor),
+        })
+    }
+
+    /// Chooses the size of the coming step.
+    fn choose_step(&mut self, span: &Span, previous: Option<f64>) -> Result<(), Fault> {
+        let mut next = self.next.unwrap_or_else(|| self.stable_now());
+        if self.fixed_dt.is_none() {
+            if let Some(previous) = previous {
+                next = time_step::limit_growth(next, previous);
+            }
+            if !(next.dt > 0.0 && next.dt.is_finite()) {
+                return Err(Fault::run(format!(
+                    "no stable time step follows from the state at step {} ({} limit): dt = {}",
+                    self.clock.step,
+                    next.limit.name(),
+                    next.dt
+                )));
+            }
+            if self.floor.collapsed(next.dt) {
+                return Err(Fault::run(format!(
+                    "the time step has collapsed to {:.3e} at step {}, time {:.6e} ({} limit)",
+                    next.dt, self.clock.step, self.clock.time, next.limit.name()
+                ))
+                .because("some particle is crushed or far too fast; `dt_limit` in the log names what binds"));
+            }
+        }
+        self.next = Some(next);
+        self.clock.dt = next.dt;
+        let rest = span.end - self.clock.time;
+        if rest < next.dt * (1.0 - JOINED) {
+            self.next = Some(TimeStep { dt: next.dt, limit: Limit::End });
+            self.clock.dt = rest;
+        }
+        Ok(())
+    }
+
+    /// One step of the scheme.
+    fn step(&mut self, hooks: &Hooks) -> Result<Report, Fault> {
+        self.clock.step += 1;
+        self.scheme.step(&mut self.parts(hooks))
+    }
+
+    /// t <- t + dt; with `set_dt` t = t_start + k dt; the last step lands on the end.
+    fn advance_clock(&mut self, span: &Span) {
+        let time = match self.fixed_dt {
+            Some(dt) => span.start + span.steps as f64 * dt,
+            None => self.clock.end(),
+        };
+        let landed = time >= span.end - JOINED * self.clock.dt;
+        self.clock.time = if landed { span.end } else { time };
+    }
+
+    /// Log, dumps, plots that are due.
+    fn output(&mut self, last: bool) -> Result<(), Fault> {
+        if !self.outputs.is_due(self.clock.step, last) {
+            return Ok(());
+        }
+        let slots = self.outputs.slots_due(self.clock.step, last);
+        self.refresh(&slots);
+        let next = self.next.unwrap_or(TimeStep { dt: self.clock.dt, limit: Limit::Fixed });
+        let dt = if self.clock.step == 0 { next.dt } else { self.clock.dt };
+        let now = Instant { time: self.clock.time, dt, step: self.clock.step };
+        let snapshot =
+            Snapshot { step: self.clock.step, time: self.clock.time, world: &self.world };
+        self.outputs.write(&snapshot, &self.board, &now, next.limit.name(), last)?;
+        self.loops.timing.end(Phase::Output);
+        Ok(())
+    }
+}

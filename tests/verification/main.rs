@@ -1,0 +1,9 @@
+//! Problems with known answers: error and observed order, invariants, published numbers.
+//!
+//! Numbers and tolerances are those of the verification list; the reason for each tolerance
+//! stands beside it. Every test also runs a broken variant and sees it fail.
+
+mod bar;
+mod invariants;
+mod scene;
+mod two_disks;
