@@ -1,5 +1,37 @@
 //! Material point method simulator driven by Karamelo-style scripts.
+//!
+//! # Reading tour
+//!
+//! A script becomes statements and formulas in [`script`]. [`command`] reads each statement twice:
+//! in the rehearsal, which finds all mistakes before anything happens, and when the script is
+//! performed on a [`simulation::Simulation`]. Its loop over steps is in `simulation/run.rs`; one
+//! step is the algorithm box of [`scheme::musl`]; the loops over particles and nodes behind it are
+//! in [`kernel`], the laws in [`material`]. What leaves the program goes through [`output`].
+//!
+//! Styles are rows of tables ([`style`]): [`command::COMMANDS`], [`region::REGIONS`],
+//! [`material::MATERIALS`], [`fix::FIXES`], [`compute::COMPUTES`], [`output::DUMPS`]. A style is
+//! one file and one row.
+//!
+//! # Layers
+//!
+//! Each imports only to its left: math, fault -> script -> style -> model, region, shape ->
+//! material -> world -> plan, step -> kernel -> fix, compute -> measure -> scheme -> output ->
+//! simulation -> command, cli. `tests/layers.rs` fails on an arrow that runs back.
+//!
+//! # Symbols
+//!
+//! | symbol | meaning | dimension |
+//! | --- | --- | --- |
+//! | x, x0, v | position, reference position, velocity of a particle | L, L, L/T |
+//! | m, V0, J | mass, reference volume, volume ratio det F | M, L^d, 1 |
+//! | F, L | deformation gradient, velocity gradient | 1, 1/T |
+//! | sigma (s11 ...) | Cauchy stress, positive in tension | P = M/(L T^2) |
+//! | N, grad N | weight of a node at a particle and its gradient | 1, 1/L |
+//! | v, v* | nodal velocity before and after the update | L/T |
+//! | h, dt | cell size, time step | L, T |
 
+pub mod cli;
+pub mod command;
 pub mod compute;
 pub mod damage;
 pub mod eos;

@@ -1,0 +1,179 @@
+//! Words of the command line.
+
+use clap::{Args, CommandFactory, Parser, Subcommand};
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+/// What to do.
+#[derive(Debug)]
+pub enum Task {
+    /// Run a script.
+    Run(Options),
+    /// Check a script.
+    Check(Options),
+    /// Describe styles.
+    Styles { family: Option<String>, name: Option<String> },
+    /// Explain a code.
+    Explain(String),
+    /// Print a text.
+    Text(String),
+}
+
+/// How to run.
+#[derive(Debug)]
+pub struct Options {
+    /// The script's file.
+    pub script: PathBuf,
+    /// `-var NAME VALUE`.
+    pub variables: Vec<(String, String)>,
+    /// The log file; `None` for none.
+    pub log: Option<PathBuf>,
+    /// Show assignments.
+    pub echo: bool,
+    /// Number of threads.
+    pub threads: Option<usize>,
+    /// Nothing on the screen but errors.
+    pub quiet: bool,
+}
+
+#[derive(Debug, Parser)]
+#[command(
+    name = "karamelo-rs",
+    version,
+    about = "Material point method simulator driven by Karamelo-style scripts",
+    args_conflicts_with_subcommands = true,
+    after_help = "Switches may be written with one dash: -in, -var, -log, -echo."
+)]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    run: Run,
+}
+
+#[derive(Debug, Args)]
+struct Run {
+    /// The script
+    #[arg(value_name = "SCRIPT")]
+    script: Option<PathBuf>,
+    /// The script, as LAMMPS users write it
+    #[arg(long = "in", value_name = "SCRIPT", conflicts_with = "script")]
+    input: Option<PathBuf>,
+    /// Sets a variable; assignments of the script are skipped
+    #[arg(long = "var", num_args = 2, value_names = ["NAME", "VALUE"], action = clap::ArgAction::Append, allow_hyphen_values = true)]
+    variables: Vec<String>,
+    /// The log file, or none
+    #[arg(long, value_name = "FILE|none", default_value = "log.mpm")]
+    log: PathBuf,
+    /// Shows assignments with their values
+    #[arg(long)]
+    echo: bool,
+    /// Number of threads
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Shows errors and warnings only
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Checks a script and says what would run
+    Check(Run),
+    /// Describes the styles of the script language
+    Styles {
+        /// command, region, material, fix, compute, dump, ...
+        family: Option<String>,
+        /// A style of the family
+        name: Option<String>,
+    },
+    /// Explains a code such as E0203
+    Explain { code: String },
+    /// Prints completions for a shell
+    Completions { shell: clap_complete::Shell },
+    /// Prints the man page
+    Man,
+}
+
+/// Reads the command line; long switches may have one dash.
+///
+/// # Errors
+/// What is wrong with it, or the help that was asked for.
+pub fn parse(arguments: Vec<OsString>) -> Result<Task, clap::Error> {
+    let line = CommandLine::try_parse_from(arguments.into_iter().map(two_dashes))?;
+    match line.command {
+        None => Ok(Task::Run(options(line.run)?)),
+        Some(Command::Check(run)) => Ok(Task::Check(options(run)?)),
+        Some(Command::Styles { family, name }) => Ok(Task::Styles { family, name }),
+        Some(Command::Explain { code }) => Ok(Task::Explain(code)),
+        Some(Command::Completions { shell }) => {
+            let mut text = Vec::new();
+            clap_complete::generate(shell, &mut CommandLine::command(), "karamelo-rs", &mut text);
+            Ok(Task::Text(String::from_utf8_lossy(&text).into_owned()))
+        }
+        Some(Command::Man) => {
+            let mut text = Vec::new();
+            clap_mangen::Man::new(CommandLine::command()).render(&mut text)?;
+            Ok(Task::Text(String::from_utf8_lossy(&text).into_owned()))
+        }
+    }
+}
+
+/// `-var` becomes `--var`; everything else stays.
+fn two_dashes(argument: OsString) -> OsString {
+    const LONG: [&str; 6] = ["-in", "-var", "-log", "-echo", "-threads", "-quiet"];
+    match argument.to_str() {
+        Some(word) if LONG.contains(&word) => format!("-{word}").into(),
+        _ => argument,
+    }
+}
+
+fn options(run: Run) -> Result<Options, clap::Error> {
+    let Some(script) = run.script.or(run.input) else {
+        let kind = clap::error::ErrorKind::MissingRequiredArgument;
+        return Err(CommandLine::command().error(kind, "no script is given"));
+    };
+    let pairs = run.variables.chunks_exact(2);
+    Ok(Options {
+        script,
+        variables: pairs.map(|pair| (pair[0].clone(), pair[1].clone())).collect(),
+        log: (run.log.as_os_str() != "none").then_some(run.log),
+        echo: run.echo,
+        threads: run.threads.map(usize::from),
+        quiet: run.quiet,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(words: &[&str]) -> Task {
+        let all = std::iter::once("karamelo-rs").chain(words.iter().copied());
+        parse(all.map(OsString::from).collect()).unwrap()
+    }
+
+    #[test]
+    fn lammps_switches_are_understood() {
+        let Task::Run(options) =
+            read(&["-in", "a.mpm", "-var", "N", "-3", "-var", "h", "2*L", "-log", "none"])
+        else {
+            panic!("not a run")
+        };
+        assert_eq!(options.script, PathBuf::from("a.mpm"));
+        let expected = [("N", "-3"), ("h", "2*L")].map(|(n, v)| (n.to_string(), v.to_string()));
+        assert_eq!(options.variables, expected);
+        assert_eq!(options.log, None);
+    }
+
+    #[test]
+    fn a_script_may_stand_first_or_after_check() {
+        assert!(matches!(read(&["a.mpm", "--threads", "2"]), Task::Run(o) if o.threads == Some(2)));
+        assert!(matches!(read(&["check", "a.mpm"]), Task::Check(_)));
+    }
+
+    #[test]
+    fn the_definition_of_the_command_line_is_sound() {
+        CommandLine::command().debug_assert();
+    }
+}

@@ -1,0 +1,148 @@
+//! Commands: every word a script may call (language.md 5).
+//!
+//! A command is read by one function, which is used twice: in the rehearsal, before anything
+//! happens, and when the script is performed. Reading declares names in the [`Scene`] and gives
+//! an [`Action`], which only the performance applies.
+
+mod compatibility;
+mod domain;
+mod hook;
+mod matter;
+mod output;
+pub mod play;
+mod run;
+pub mod scene;
+pub mod session;
+
+use crate::script::arguments::Args;
+use crate::script::diagnostic::Diagnostic;
+use crate::style::Style;
+use scene::Scene;
+use session::{Session, Stop};
+
+/// What a statement does when it is performed.
+pub type Action = Box<dyn FnOnce(&mut Session) -> Result<(), Stop>>;
+
+/// Reads a command's arguments.
+pub type Read = fn(&mut Args<'_>, &mut Scene) -> Result<Action, Diagnostic>;
+
+/// An action that cannot fail.
+fn action(act: impl FnOnce(&mut Session) + 'static) -> Action {
+    Box::new(move |session| {
+        act(session);
+        Ok(())
+    })
+}
+
+const fn row(
+    name: &'static str,
+    usage: &'static str,
+    summary: &'static str,
+    read: Read,
+) -> Style<Read> {
+    Style { name, usage, summary, manual: "", build: Some(read) }
+}
+
+const fn reserved(name: &'static str, usage: &'static str, summary: &'static str) -> Style<Read> {
+    Style { name, usage, summary, manual: "", build: None }
+}
+
+/// All commands.
+pub const COMMANDS: &[Style<Read>] = &[
+    row(
+        "method",
+        "type, sub, shape [, alpha] [, option ...]",
+        "the method, the transfer of velocities and the shape function",
+        domain::method,
+    ),
+    row("scheme", "musl|usl|usf", "the order of the parts of a step", domain::scheme),
+    row(
+        "dimension",
+        "d, xlo, xhi [, ylo, yhi [, zlo, zhi]], h",
+        "number of dimensions, box and cell size [L]",
+        domain::dimension,
+    ),
+    row("axisymmetric", "true|false", "2-D with x as the radius", domain::axisymmetric),
+    row(
+        "stress_rate",
+        "none|jaumann|green_naghdi|logarithmic",
+        "the objective rate of hypoelastic laws",
+        domain::stress_rate,
+    ),
+    row("anti_locking", "none|fbar", "a remedy for volumetric locking", domain::anti_locking),
+    row(
+        "boundary",
+        "error|delete|bounce",
+        "what happens to particles that leave the box",
+        domain::boundary,
+    ),
+    row("region", "ID, style, ...", "a set of points", matter::region),
+    row("material", "ID, style, ...", "a material law", matter::material),
+    row(
+        "solid",
+        "ID, region, regionID, ppc, matID, h [, T0]",
+        "a body: particles in a region",
+        matter::solid,
+    ),
+    row(
+        "group",
+        "ID, particles|nodes, region, regionID [, all | solid, s1, ...]",
+        "particles or nodes that fixes and computes act on",
+        matter::group,
+    ),
+    row("fix", "ID, style, group, ...", "something that acts in every step", hook::fix),
+    row("delete_fix", "ID", "removes a fix", hook::delete_fix),
+    row("compute", "ID, style, group", "a number about particles", hook::compute),
+    row("delete_compute", "ID", "removes a compute", hook::delete_compute),
+    row("set_dt", "dt|auto", "a constant time step [T], or the adaptive one", run::set_dt),
+    row("dt_factor", "f", "the part of the stable time step that is used, 0.9", run::dt_factor),
+    row("run", "N", "runs N steps", run::run),
+    row("run_time", "T", "runs for a time [T]", run::run_time),
+    row("run_while", "condition", "runs while the condition holds", run::run_while),
+    row("run_until", "condition", "runs until the condition holds", run::run_until),
+    row("set_output", "N", "a log row every N steps; 0: first and last", output::set_output),
+    row("log", "N", "old form of set_output", output::log),
+    row("log_modify", "default | custom, name, ...", "columns of the log", output::log_modify),
+    row("dump", "ID, group, style, N, file, field, ...", "a series of files", output::dump),
+    row("undump", "ID", "ends a dump", output::undump),
+    row("plot", "ID, N, xname, yname", "a curve", output::plot),
+    row("save_plot", "file", "one figure of all curves", output::save_plot),
+    row("print", "expression | \"text\"", "prints a value or a text", output::print),
+    row(
+        "method_modify",
+        "sub [, shape [, alpha]]",
+        "old form: changes the transfer",
+        compatibility::method_modify,
+    ),
+    reserved("eos", "ID, style, ...", "an equation of state"),
+    reserved("strength", "ID, style, ...", "a strength law"),
+    reserved("damage", "ID, style, ...", "a damage law"),
+    reserved("temperature", "ID, style, ...", "a temperature law"),
+    reserved("create_domain", "...", "old form of dimension"),
+    reserved("delete_particles", "solid|all, region, ID", "removes particles"),
+    reserved("translate_particles", "solid|all, region, ID, dx, dy, dz", "moves particles"),
+    reserved("populate_cylindrical_coordinates", "solid, region, ...", "rings of particles"),
+    reserved("contact", "ID, stick|slip|frictional, s1, s2 [, mu]", "multi-field contact"),
+    reserved("delete_contact", "ID", "removes a contact"),
+    reserved("restart", "N, file", "a restart file every N steps"),
+    reserved("write_restart", "file", "a restart file now"),
+    reserved("read_restart", "file", "goes on from a restart file"),
+    reserved("thermal_blend", "a", "the blend of temperatures"),
+    reserved("anti_volumetric_locking", "true|false", "old form of anti_locking"),
+    reserved("include", "file", "the text of another script"),
+    reserved("partition_domain", "...", "cuts the box for ranks"),
+    reserved("dump_modify", "...", "changes a dump"),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_command_has_one_row_a_usage_and_a_summary() {
+        for (index, command) in COMMANDS.iter().enumerate() {
+            assert!(COMMANDS[..index].iter().all(|other| other.name != command.name));
+            assert!(!command.summary.is_empty(), "{}", command.name);
+        }
+    }
+}

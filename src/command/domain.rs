@@ -1,0 +1,142 @@
+//! `method`, `scheme`, `dimension` and settings of the whole scene.
+
+use super::scene::Scene;
+use super::{Action, action};
+use crate::material::StressRate;
+use crate::model::domain::Domain;
+use crate::script::arguments::{Args, Name};
+use crate::script::diagnostic::{Code, Diagnostic};
+use crate::script::suggest;
+use crate::transfer::Transfer;
+
+const TYPES: [&str; 4] = ["ulmpm", "tlmpm", "ulcpdi", "tlcpdi"];
+const SUBS: [&str; 7] = ["PIC", "FLIP", "APIC", "AFLIP", "ASFLIP", "MLS", "XPIC"];
+const SHAPES: [&str; 6] =
+    ["linear", "quadratic-spline", "cubic-spline", "Bernstein-quadratic", "gimp", "cpgimp"];
+
+/// Most cells along an axis: places in memory are found with 32 bits per axis.
+const MOST_CELLS: f64 = 4e9;
+
+/// Reads a word that must be one of `known`, of which only `available` can be used yet.
+pub fn available(
+    args: &mut Args<'_>,
+    what: &str,
+    known: &[&str],
+    available: &[&str],
+) -> Result<Name, Diagnostic> {
+    let word = args.word(what)?;
+    if available.contains(&word.text.as_str()) {
+        return Ok(word);
+    }
+    if known.contains(&word.text.as_str()) {
+        let message = format!("`{}` is known, but not available yet", word.text);
+        return Err(Diagnostic::error(Code::NotAvailable, word.span, message)
+            .label("not available yet")
+            .help(format!("available: {}", available.join(", "))));
+    }
+    let otherwise = format!("one of {}", known.join(", "));
+    Err(Diagnostic::error(Code::UnknownStyle, word.span, format!("unknown {what} `{}`", word.text))
+        .label(format!("not a {what}"))
+        .help(suggest::help(&word.text, known.iter().copied(), &otherwise)))
+}
+
+/// Reads sub-method, shape and alpha of `method`.
+pub fn transfer(args: &mut Args<'_>) -> Result<Transfer, Diagnostic> {
+    let sub = available(args, "sub-method", &SUBS, &["PIC", "FLIP"])?;
+    available(args, "shape function", &SHAPES, &["linear"])?;
+    if sub.text == "PIC" {
+        return Ok(Transfer { alpha: 0.0 });
+    }
+    Ok(Transfer { alpha: args.within("the blend alpha", 0.0, 1.0)?.value })
+}
+
+/// `method(type, sub, shape [, alpha] [, option ...])`
+pub fn method(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    if scene.method {
+        let message = "a second `method`";
+        return Err(Diagnostic::error(Code::Duplicate, args.command.span, message)
+            .label("the method is given above"));
+    }
+    scene.method = true;
+    available(args, "method type", &TYPES, &["ulmpm"])?;
+    let transfer = transfer(args)?;
+    let options = ["mechanical", "thermo-mechanical", "gradient-enhanced"];
+    while args.remaining() > 0 {
+        available(args, "method option", &options, &["mechanical"])?;
+    }
+    Ok(action(move |session| session.simulation.transfer = transfer))
+}
+
+/// `scheme(musl)`
+pub fn scheme(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    scene.before_runs(args.command)?;
+    available(args, "scheme", &["musl", "usl", "usf"], &["musl"])?;
+    Ok(action(|_| ()))
+}
+
+/// `dimension(d, xlo, xhi [, ylo, yhi [, zlo, zhi]], h)`
+pub fn dimension(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    if scene.domain.is_some() {
+        return Err(Diagnostic::error(Code::Duplicate, args.command.span, "a second `dimension`")
+            .label("the box is given above"));
+    }
+    scene.tried.push("dimension");
+    let dimension = args.count("the number of dimensions", 1)? as usize;
+    if dimension > 3 {
+        let message = format!("{dimension} dimensions: 1, 2 or 3 are possible");
+        return Err(Diagnostic::error(Code::Range, args.span, message).label("too many dimensions"));
+    }
+    let (mut lower, mut upper) = ([0.0; 3], [0.0; 3]);
+    for axis in 0..dimension {
+        let name = ["x", "y", "z"][axis];
+        let low = args.number(&format!("the lower {name} limit"))?;
+        let high = args.number(&format!("the upper {name} limit"))?;
+        if low.known && high.known && low.value >= high.value {
+            return Err(args.out_of_range(
+                &high,
+                &format!("the upper {name} limit must lie above the lower one, {}", low.value),
+            ));
+        }
+        (lower[axis], upper[axis]) = (low.value, high.value);
+    }
+    let cell = args.positive("the cell size h")?;
+    let domain = Domain { dimension, lower, upper, cell: cell.value };
+    let longest = (0..dimension).map(|a| (upper[a] - lower[a]) / cell.value).fold(0.0, f64::max);
+    if longest >= MOST_CELLS {
+        let message = format!("the box has {longest:.3e} cells along one axis");
+        return Err(Diagnostic::error(Code::TooLarge, cell.span, message)
+            .label("the cell size is too small for the box"));
+    }
+    scene.domain = Some(domain);
+    Ok(action(move |session| session.simulation.set_domain(domain)))
+}
+
+/// `axisymmetric(false)`
+pub fn axisymmetric(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    scene.before_runs(args.command)?;
+    available(args, "truth value", &["true", "false"], &["false"])?;
+    Ok(action(|_| ()))
+}
+
+/// `anti_locking(none)`
+pub fn anti_locking(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    scene.before_runs(args.command)?;
+    available(args, "remedy for locking", &["none", "fbar"], &["none"])?;
+    Ok(action(|_| ()))
+}
+
+/// `boundary(error)`
+pub fn boundary(args: &mut Args<'_>, _scene: &mut Scene) -> Result<Action, Diagnostic> {
+    available(args, "boundary policy", &["error", "delete", "bounce"], &["error"])?;
+    Ok(action(|_| ()))
+}
+
+/// `stress_rate(r)`
+pub fn stress_rate(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    scene.before_runs(args.command)?;
+    let words = ["none", "jaumann", "green_naghdi", "logarithmic"];
+    let rates =
+        [StressRate::None, StressRate::Jaumann, StressRate::GreenNaghdi, StressRate::Logarithmic];
+    let rate = rates[args.choice("stress rate", &words)?];
+    Ok(action(move |session| session.simulation.set_rate(rate)))
+}

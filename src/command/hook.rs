@@ -1,0 +1,76 @@
+//! `fix`, `compute` and their removal.
+
+use super::scene::Scene;
+use super::{Action, action};
+use crate::compute::COMPUTES;
+use crate::fix::{FIXES, Target};
+use crate::script::arguments::Args;
+use crate::script::diagnostic::Diagnostic;
+use crate::script::formula::Quantity;
+use crate::style;
+
+fn target(args: &mut Args<'_>, scene: &Scene, id: &str) -> Result<Target, Diagnostic> {
+    let dimension = scene.need_domain(args.command)?.dimension;
+    let group = args.word("a group ID")?;
+    let (_, entry) = scene.groups.find(&group)?;
+    Ok(Target {
+        id: id.to_string(),
+        group: entry.id,
+        kind: entry.kind,
+        span: group.span,
+        dimension,
+    })
+}
+
+/// `fix(ID, style, group, ...)`
+pub fn fix(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    let id = args.word("a fix ID")?;
+    let runs = scene.runs;
+    Scene::replace(&mut scene.fixes, &id, runs)?;
+    for (component, suffix) in ["x", "y", "z", "s"].into_iter().enumerate() {
+        let name = format!("{}_{suffix}", id.text);
+        args.scope.check_result(&name, id.span)?;
+        args.scope.publish(&name, Quantity::Fix { id: id.text.clone(), component });
+    }
+    let word = args.word("a fix style")?;
+    let (row, build) = style::find("fix", FIXES, &word)?;
+    args.expect_usage(row.usage);
+    let target = target(args, scene, &id.text)?;
+    let fix = build(args, &target)?;
+    Ok(action(move |session| session.simulation.add_fix(&id.text, fix)))
+}
+
+/// `delete_fix(ID)`
+pub fn delete_fix(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    let id = args.word("a fix ID")?;
+    scene.fixes.remove(&id)?;
+    let name = id.text.clone();
+    args.scope.withdraw(|quantity| matches!(quantity, Quantity::Fix { id, .. } if *id == name));
+    Ok(action(move |session| session.simulation.delete_fix(&id.text)))
+}
+
+/// `compute(ID, style, group)`
+pub fn compute(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    let id = args.word("a compute ID")?;
+    scene.computes.declare(&id, super::scene::Declared { runs: scene.runs })?;
+    let word = args.word("a compute style")?;
+    let (row, build) = style::find("compute", COMPUTES, &word)?;
+    args.expect_usage(row.usage);
+    let target = target(args, scene, &id.text)?;
+    let compute = build(args, &target)?;
+    for (component, suffix) in compute.suffixes().iter().enumerate() {
+        let name = format!("{}{suffix}", id.text);
+        args.scope.check_result(&name, id.span)?;
+        args.scope.publish(&name, Quantity::Compute { id: id.text.clone(), component });
+    }
+    Ok(action(move |session| session.simulation.add_compute(&id.text, compute)))
+}
+
+/// `delete_compute(ID)`
+pub fn delete_compute(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    let id = args.word("a compute ID")?;
+    scene.computes.remove(&id)?;
+    let name = id.text.clone();
+    args.scope.withdraw(|quantity| matches!(quantity, Quantity::Compute { id, .. } if *id == name));
+    Ok(action(move |session| session.simulation.delete_compute(&id.text)))
+}

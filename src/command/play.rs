@@ -1,0 +1,138 @@
+//! Parse, rehearse, perform.
+
+use super::scene::Scene;
+use super::session::{Session, Stop};
+use super::{Action, COMMANDS};
+use crate::script::arguments::{Args, Name};
+use crate::script::diagnostic::{Code, Diagnostic, Severity};
+use crate::script::scope::{Measure, Scope};
+use crate::script::source::Source;
+use crate::script::suggest;
+use crate::script::syntax::{self, Argument, Statement};
+
+/// A script that has been parsed.
+pub struct Script {
+    /// Its text.
+    pub source: Source,
+    /// Its statements, up to `quit`.
+    pub statements: Vec<Statement>,
+    /// `-var` of the command line.
+    pub variables: Vec<(String, String)>,
+}
+
+/// Parses and rehearses a script: all its mistakes and remarks at once. Nothing is written.
+pub fn rehearse(source: Source, variables: &[(String, String)]) -> (Script, Vec<Diagnostic>) {
+    let (statements, mut found) = syntax::parse(&source);
+    let script = Script { source, statements, variables: variables.to_vec() };
+    let mut scope = match Scope::new(variables) {
+        Ok(scope) => scope,
+        Err(mistake) => {
+            found.push(mistake);
+            return (script, found);
+        }
+    };
+    let mut scene = Scene::default();
+    let mut broken: Vec<String> = Vec::new();
+    for statement in &script.statements {
+        let result = match statement {
+            Statement::Assign { name, value } => {
+                scope.assign(name, value, None).map(|(_, remarks)| found.extend(remarks))
+            }
+            Statement::Call { name, arguments, span } => {
+                let args = Args::new(name, *span, arguments, &mut scope, None);
+                read(args, &mut scene).map(|(_, remarks)| found.extend(remarks))
+            }
+            Statement::Quit { .. } => break,
+        };
+        if let Err(mistake) = result {
+            let silent = mistake.message.is_empty();
+            if !silent && !follows(&mistake, &broken, &script.source) {
+                found.push(mistake);
+            }
+            broken.extend(declared(statement));
+        }
+    }
+    (script, found)
+}
+
+/// The name that a statement would have declared.
+fn declared(statement: &Statement) -> Option<String> {
+    match statement {
+        Statement::Assign { name, .. } => Some(name.text.clone()),
+        Statement::Call { arguments, .. } => arguments.first().map(|id| id.text.clone()),
+        Statement::Quit { .. } => None,
+    }
+}
+
+/// Does a mistake only follow from a broken statement above, whose ID is unknown now?
+fn follows(mistake: &Diagnostic, broken: &[String], source: &Source) -> bool {
+    let culprit = source.text.get(mistake.span.start..mistake.span.end).unwrap_or("");
+    mistake.code == Code::UnknownName
+        && broken.iter().any(|id| {
+            culprit == id || ["_x", "_y", "_z", "_s"].iter().any(|s| culprit == format!("{id}{s}"))
+        })
+}
+
+/// Reads one call with the command's own function.
+fn read(mut args: Args<'_>, scene: &mut Scene) -> Result<(Action, Vec<Diagnostic>), Diagnostic> {
+    let name = args.command;
+    let Some(command) = COMMANDS.iter().find(|command| command.name == name.text) else {
+        let known = COMMANDS.iter().map(|command| command.name);
+        let otherwise = "`karamelo-rs styles command` lists all";
+        let message = format!("unknown command `{}`", name.text);
+        return Err(Diagnostic::error(Code::UnknownCommand, name.span, message)
+            .label("not a command")
+            .help(suggest::help(&name.text, known, otherwise)));
+    };
+    let Some(read) = command.build else {
+        let message = format!("`{}` is known, but not available yet", name.text);
+        return Err(
+            Diagnostic::error(Code::NotAvailable, name.span, message).label("not available yet")
+        );
+    };
+    args.expect_usage(command.usage);
+    let action = read(&mut args, scene)?;
+    Ok((action, args.finish()?))
+}
+
+/// Performs a script that has been rehearsed without mistakes.
+///
+/// # Errors
+/// A run that goes wrong, the user's wish to stop, or a mistake that only shows when a statement
+/// is reached.
+pub fn perform(script: &Script, session: &mut Session) -> Result<(), Stop> {
+    let mut scope = Scope::new(&script.variables).map_err(|mistake| Stop::Script(vec![mistake]))?;
+    let mut scene = Scene::default();
+    for statement in &script.statements {
+        match statement {
+            Statement::Assign { name, value } => {
+                let measure: &mut dyn Measure = session;
+                let result = scope.assign(name, value, Some(measure));
+                let (echo, _) = result.map_err(|mistake| Stop::Script(vec![mistake]))?;
+                session.show(&echo);
+            }
+            Statement::Call { name, arguments, span } => {
+                let action = reading(name, *span, arguments, &mut scope, session, &mut scene)?;
+                session.quantities = scope.quantities().to_vec();
+                action(session)?;
+            }
+            Statement::Quit { .. } => break,
+        }
+    }
+    Ok(())
+}
+
+fn reading(
+    name: &Name,
+    span: crate::script::source::Span,
+    arguments: &[Argument],
+    scope: &mut Scope,
+    session: &mut Session,
+    scene: &mut Scene,
+) -> Result<Action, Stop> {
+    let measure: &mut dyn Measure = session;
+    let args = Args::new(name, span, arguments, scope, Some(measure));
+    let (action, remarks) = read(args, scene).map_err(|mistake| Stop::Script(vec![mistake]))?;
+    debug_assert!(remarks.iter().all(|remark| remark.severity != Severity::Error));
+    Ok(action)
+}

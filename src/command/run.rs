@@ -1,0 +1,132 @@
+//! Time steps and runs.
+
+use super::scene::Scene;
+use super::session::{Mode, Session, Stop};
+use super::{Action, action};
+use crate::interrupt;
+use crate::script::arguments::{Args, Place};
+use crate::script::diagnostic::{Code, Diagnostic};
+use crate::script::formula::Formula;
+use crate::script::source::Span;
+use crate::simulation::Until;
+use std::io::Write;
+
+/// `set_dt(dt)`, `set_dt(auto)`
+pub fn set_dt(args: &mut Args<'_>, _scene: &mut Scene) -> Result<Action, Diagnostic> {
+    if args.keyword("auto") {
+        return Ok(action(|session| session.simulation.fixed_dt = None));
+    }
+    let span = args.next_span();
+    let dt = args.positive("the time step")?.value;
+    Ok(action(move |session| {
+        session.simulation.fixed_dt = Some(dt);
+        session.fixed_dt_span = span;
+    }))
+}
+
+/// `dt_factor(f)`
+pub fn dt_factor(args: &mut Args<'_>, _scene: &mut Scene) -> Result<Action, Diagnostic> {
+    let factor = args.positive("the factor")?;
+    if factor.value > 1.0 {
+        args.remarks.push(
+            Diagnostic::warning(Code::UnstableStep, factor.span, "a factor above 1 is not stable")
+                .label("larger than the stable step"),
+        );
+    }
+    Ok(action(move |session| session.simulation.dt_factor = factor.value))
+}
+
+/// What a run cannot do without.
+fn need_scene(args: &Args<'_>, scene: &mut Scene) -> Result<(), Diagnostic> {
+    let mut missing = Vec::new();
+    if !scene.method {
+        missing.push("`method(ulmpm, FLIP, linear, 1)`");
+    }
+    if scene.domain.is_none() && !scene.tried.contains(&"dimension") {
+        missing.push("`dimension(...)`");
+    }
+    if scene.solids.is_empty() && !scene.tried.contains(&"solid") {
+        missing.push("a `solid(...)`");
+    }
+    scene.runs += 1;
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let message = format!("the run needs {} above it", missing.join(" and "));
+    Err(Diagnostic::error(Code::Missing, args.command.span, message).label("cannot run yet"))
+}
+
+/// `run(N)`
+pub fn run(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    let steps = args.count("the number of steps", 0)?;
+    need_scene(args, scene)?;
+    Ok(perform(Until::Steps(steps)))
+}
+
+/// `run_time(T)`
+pub fn run_time(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    let time = args.within("the time", 0.0, f64::INFINITY)?.value;
+    need_scene(args, scene)?;
+    Ok(perform(Until::Time(time)))
+}
+
+/// `run_while(condition)`
+pub fn run_while(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    let condition = condition(args)?;
+    need_scene(args, scene)?;
+    Ok(perform(Until::While(condition)))
+}
+
+/// `run_until(condition)`
+pub fn run_until(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    let condition = condition(args)?;
+    need_scene(args, scene)?;
+    Ok(perform(Until::Condition(condition)))
+}
+
+fn condition(args: &mut Args<'_>) -> Result<Formula, Diagnostic> {
+    let span: Span = args.next_span();
+    let condition = args.formula("the condition", Place::Nowhere)?;
+    match condition.as_constant() {
+        Some(value) if condition.is_known() => {
+            let message = format!("the condition is always {value}");
+            Err(Diagnostic::error(Code::Constant, span, message)
+                .label("never changes")
+                .help("compare `time` or a result of a fix or compute"))
+        }
+        _ => Ok(condition),
+    }
+}
+
+/// A set time step this much above the stable one is reported.
+const TOLERATED: f64 = 1.0 + 1e-9;
+
+fn perform(until: Until) -> Action {
+    Box::new(move |session: &mut Session| -> Result<(), Stop> {
+        session.simulation.quantities.clone_from(&session.quantities);
+        let simulation = &mut session.simulation;
+        let limit = simulation.stable_limit()?;
+        if let (Some(dt), Some(limit)) = (simulation.fixed_dt, limit)
+            && dt > TOLERATED * limit.dt
+        {
+            let message = format!(
+                "the time step {dt} is above the stable one, {:.4e} ({} limit)",
+                limit.dt,
+                limit.limit.name()
+            );
+            session.warnings.push(
+                Diagnostic::warning(Code::UnstableStep, session.fixed_dt_span, message)
+                    .label("the run may blow up"),
+            );
+        }
+        session.show_warnings();
+        if session.mode == Mode::Check {
+            let text = session.simulation.describe(&until)?;
+            // A reader that has gone away (`| head`) is no error of ours.
+            let _ = writeln!(std::io::stdout(), "{text}");
+            return Ok(());
+        }
+        session.simulation.run(until)?;
+        if interrupt::requested() { Err(Stop::Interrupted) } else { Ok(()) }
+    })
+}

@@ -1,0 +1,227 @@
+//! What the statements read so far have declared.
+
+use crate::fix::GroupKind;
+use crate::material::Law;
+use crate::model::domain::Domain;
+use crate::model::group::GroupId;
+use crate::region::Region;
+use crate::script::arguments::Name;
+use crate::script::diagnostic::{Code, Diagnostic};
+use crate::script::suggest;
+use std::sync::Arc;
+
+/// Objects of one kind, by ID: each kind has its own name space.
+pub struct Names<T> {
+    kind: &'static str,
+    list: Vec<(String, T)>,
+}
+
+impl<T> Names<T> {
+    fn new(kind: &'static str) -> Self {
+        Self { kind, list: Vec::new() }
+    }
+
+    /// Declares an object.
+    ///
+    /// # Errors
+    /// The ID is taken.
+    pub fn declare(&mut self, name: &Name, object: T) -> Result<usize, Diagnostic> {
+        self.check_free(name)?;
+        self.list.push((name.text.clone(), object));
+        Ok(self.list.len() - 1)
+    }
+
+    /// Refuses an ID that is taken.
+    ///
+    /// # Errors
+    /// The ID is taken.
+    pub fn check_free(&self, name: &Name) -> Result<(), Diagnostic> {
+        if self.position(&name.text).is_none() {
+            return Ok(());
+        }
+        let message = format!("the {} ID `{}` is used twice", self.kind, name.text);
+        Err(Diagnostic::error(Code::Duplicate, name.span, message).label("taken above"))
+    }
+
+    /// Place of an object in the order of definition.
+    pub fn position(&self, name: &str) -> Option<usize> {
+        self.list.iter().position(|(known, _)| known == name)
+    }
+
+    /// Finds an object.
+    ///
+    /// # Errors
+    /// There is none of that ID; the nearest one is proposed.
+    pub fn find(&self, name: &Name) -> Result<(usize, &T), Diagnostic> {
+        match self.position(&name.text) {
+            Some(place) => Ok((place, &self.list[place].1)),
+            None => {
+                let message = format!("there is no {} `{}`", self.kind, name.text);
+                let known = self.list.iter().map(|(known, _)| known.as_str());
+                let otherwise = match self.list.is_empty() {
+                    true => format!("no {} is defined above", self.kind),
+                    false => String::new(),
+                };
+                Err(Diagnostic::error(Code::UnknownName, name.span, message)
+                    .label(format!("not a {} ID", self.kind))
+                    .help(suggest::help(&name.text, known, &otherwise)))
+            }
+        }
+    }
+
+    /// Removes an object.
+    ///
+    /// # Errors
+    /// There is none of that ID.
+    pub fn remove(&mut self, name: &Name) -> Result<T, Diagnostic> {
+        let (place, _) = self.find(name)?;
+        Ok(self.list.remove(place).1)
+    }
+
+    /// Adds an object, or replaces the one of that ID.
+    pub fn set(&mut self, name: &str, object: T) {
+        match self.position(name) {
+            Some(place) => self.list[place].1 = object,
+            None => self.list.push((name.to_string(), object)),
+        }
+    }
+
+    /// All objects in the order of definition.
+    pub fn iter(&self) -> impl Iterator<Item = &(String, T)> {
+        self.list.iter()
+    }
+
+    /// Is nothing declared?
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+}
+
+/// A solid as declared.
+pub struct SolidEntry {
+    /// Its region.
+    pub region: Arc<dyn Region>,
+    /// Particles per cell and axis.
+    pub particles_per_cell: usize,
+}
+
+/// A group as declared.
+#[derive(Clone, Copy)]
+pub struct GroupEntry {
+    /// Its index.
+    pub id: GroupId,
+    /// What it holds.
+    pub kind: GroupKind,
+}
+
+/// A fix, compute or dump as declared.
+pub struct Declared {
+    /// Runs above the declaration.
+    pub runs: usize,
+}
+
+/// All declarations so far.
+pub struct Scene {
+    /// `method` has been given.
+    pub method: bool,
+    /// Box and cells.
+    pub domain: Option<Domain>,
+    /// Regions.
+    pub regions: Names<Arc<dyn Region>>,
+    /// Materials.
+    pub materials: Names<Arc<dyn Law>>,
+    /// Solids.
+    pub solids: Names<SolidEntry>,
+    /// Groups; the first is `all`.
+    pub groups: Names<GroupEntry>,
+    /// Fixes.
+    pub fixes: Names<Declared>,
+    /// Computes.
+    pub computes: Names<Declared>,
+    /// Dumps.
+    pub dumps: Names<Declared>,
+    /// Plots.
+    pub plots: Names<Declared>,
+    /// Number of runs so far.
+    pub runs: usize,
+    /// Commands a run needs that have been tried, well or not.
+    pub tried: Vec<&'static str>,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        let mut groups = Names::new("group");
+        groups.set("all", GroupEntry { id: GroupId::ALL, kind: GroupKind::All });
+        Self {
+            method: false,
+            domain: None,
+            regions: Names::new("region"),
+            materials: Names::new("material"),
+            solids: Names::new("solid"),
+            groups,
+            fixes: Names::new("fix"),
+            computes: Names::new("compute"),
+            dumps: Names::new("dump"),
+            plots: Names::new("plot"),
+            runs: 0,
+            tried: Vec::new(),
+        }
+    }
+}
+
+/// A mistake that only follows from one reported above: it has no message and is not shown.
+fn reported_above(at: &Name) -> Diagnostic {
+    Diagnostic::error(Code::Order, at.span, "")
+}
+
+impl Scene {
+    /// The box, which `dimension` must have given above.
+    ///
+    /// # Errors
+    /// There is none yet.
+    pub fn need_domain(&self, at: &Name) -> Result<Domain, Diagnostic> {
+        self.domain.ok_or_else(|| match self.tried.contains(&"dimension") {
+            true => reported_above(at),
+            false => Diagnostic::error(
+                Code::Order,
+                at.span,
+                format!("`{}` needs `dimension(...)` above it", at.text),
+            )
+            .label("too early"),
+        })
+    }
+
+    /// Refuses a command below the first run.
+    ///
+    /// # Errors
+    /// There is a run above.
+    pub fn before_runs(&self, at: &Name) -> Result<(), Diagnostic> {
+        if self.runs == 0 {
+            return Ok(());
+        }
+        let message = format!("`{}` stands below a run", at.text);
+        Err(Diagnostic::error(Code::Order, at.span, message)
+            .label("too late: put it above the first run"))
+    }
+
+    /// Declares a fix, or one that replaces the fix of that ID if a run lies between.
+    ///
+    /// # Errors
+    /// The ID is taken and its fix has never acted.
+    pub fn replace(
+        names: &mut Names<Declared>,
+        name: &Name,
+        runs: usize,
+    ) -> Result<(), Diagnostic> {
+        if names.find(name).is_ok_and(|(_, known)| known.runs == runs) {
+            let message = format!(
+                "the {} ID `{}` is used twice without a run between",
+                names.kind, name.text
+            );
+            return Err(Diagnostic::error(Code::Duplicate, name.span, message)
+                .label("the one above would never act"));
+        }
+        names.set(&name.text, Declared { runs });
+        Ok(())
+    }
+}

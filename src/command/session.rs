@@ -1,0 +1,103 @@
+//! A script being performed.
+
+use crate::fault::Fault;
+use crate::model::domain::Domain;
+use crate::output::Outputs;
+use crate::script::diagnostic::{Diagnostic, render};
+use crate::script::formula::{Formula, Instant, Quantity};
+use crate::script::scope::Measure;
+use crate::script::source::{Source, Span};
+use crate::simulation::Simulation;
+use std::io::IsTerminal;
+
+/// Why a performance ends before its script does.
+#[derive(Debug)]
+pub enum Stop {
+    /// A run or a file went wrong.
+    Fault(Fault),
+    /// Mistakes that only showed when a statement was reached.
+    Script(Vec<Diagnostic>),
+    /// The user asked for it.
+    Interrupted,
+}
+
+impl From<Fault> for Stop {
+    fn from(fault: Fault) -> Self {
+        Stop::Fault(fault)
+    }
+}
+
+/// What to do at `run`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// Run.
+    Run,
+    /// Describe the run and go on without it.
+    Check,
+}
+
+/// The simulation a script builds and runs.
+pub struct Session {
+    /// The simulation; its box is empty until `dimension`.
+    pub simulation: Simulation,
+    /// What each slot of the board holds.
+    pub quantities: Vec<Quantity>,
+    /// Run or only check.
+    pub mode: Mode,
+    /// Warnings found while performing.
+    pub warnings: Vec<Diagnostic>,
+    /// The script, to show warnings in.
+    pub source: Source,
+    /// Show assignments.
+    pub echo: bool,
+    /// Where `set_dt` stands.
+    pub fixed_dt_span: Span,
+}
+
+impl Session {
+    /// A session without a scene.
+    pub fn new(outputs: Outputs, mode: Mode) -> Self {
+        let nothing = Domain { dimension: 1, lower: [0.0; 3], upper: [0.0; 3], cell: 1.0 };
+        Self {
+            simulation: Simulation::new(nothing, outputs),
+            quantities: Vec::new(),
+            mode,
+            warnings: Vec::new(),
+            source: Source::default(),
+            echo: false,
+            fixed_dt_span: Span::default(),
+        }
+    }
+
+    /// Shows an assignment, if asked to.
+    pub fn show(&mut self, line: &str) {
+        if self.echo {
+            self.simulation.outputs.say(line);
+        }
+    }
+
+    /// `print(e)`: formula and value.
+    pub fn print(&mut self, formula: &Formula, value: Option<f64>) {
+        let value = value.map_or_else(|| "a formula".to_string(), |value| format!("{value}"));
+        self.simulation.outputs.say(&format!("{} = {value}", formula.text()));
+    }
+
+    /// Shows the warnings found since the last time.
+    pub fn show_warnings(&mut self) {
+        let warnings = std::mem::take(&mut self.warnings);
+        if !warnings.is_empty() {
+            eprint!("{}", render(&warnings, &self.source, std::io::stderr().is_terminal()));
+        }
+    }
+}
+
+impl Measure for Session {
+    fn measure(&mut self, quantity: &Quantity) -> f64 {
+        self.simulation.measure(quantity)
+    }
+
+    fn now(&self) -> Instant {
+        let clock = self.simulation.clock;
+        Instant { time: clock.time, dt: clock.dt, step: clock.step }
+    }
+}

@@ -1,0 +1,248 @@
+//! The program as a user meets it: exit codes, messages, files.
+
+use assert_cmd::cargo::cargo_bin;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+const SCENE: &str = "
+h = 0.1
+method(ulmpm, FLIP, linear, 1)
+dimension(2, 0, 1, 0, 1, h)
+region(disk, sphere, 0.5, 0.5, 0.2)
+material(rubber, linear, 1000, 1e4, 0.3)
+solid(ball, region, disk, 2, rubber, h)
+group(left, particles, region, disk)
+compute(Ek, kinetic_energy, all)
+";
+
+struct Place(TempDir);
+
+impl Place {
+    fn new(script: &str) -> Self {
+        let place = Self(tempfile::tempdir().unwrap());
+        std::fs::write(place.0.path().join("in.mpm"), format!("{SCENE}{script}")).unwrap();
+        place
+    }
+
+    fn command(&self) -> Command {
+        let mut command = Command::new(cargo_bin!("karamelo-rs"));
+        command.current_dir(self.0.path());
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        self.command().args(arguments).output().unwrap()
+    }
+
+    fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.0.path().join(name)).unwrap()
+    }
+
+    fn files(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.0.path()).unwrap();
+        let name = |entry: std::io::Result<std::fs::DirEntry>| entry.unwrap().file_name();
+        let mut names: Vec<String> =
+            entries.map(|entry| name(entry).to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+#[test]
+fn a_run_ends_with_0_and_a_log_that_readers_understand() {
+    let place = Place::new("log_modify(custom, dt, time, Ek, dt_limit)\nset_output(3)\nrun(10)\n");
+    let output = place.run(&["in.mpm"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let log = place.read("log.mpm");
+    let lines: Vec<&str> = log.lines().collect();
+    let header = lines.iter().position(|line| line.trim_start().starts_with("Step ")).unwrap();
+    assert!(lines[header - 1].starts_with("Per MPI rank memory allocation (min/avg/max) = "));
+    let rows: Vec<Vec<&str>> = lines[header + 1..]
+        .iter()
+        .take_while(|line| !line.starts_with("Loop time of "))
+        .map(|line| line.split_whitespace().collect())
+        .collect();
+    let steps: Vec<&str> = rows.iter().map(|row| row[0]).collect();
+    assert_eq!(steps, ["0", "3", "6", "9", "10"]);
+    assert!(rows.iter().all(|row| row.len() == 5));
+    assert!(!lines[..header].iter().any(|line| line.contains("Step ")));
+}
+
+#[test]
+fn a_mistake_ends_with_2_and_writes_nothing() {
+    let place =
+        Place::new("dump(d, all, particle, 1, d.*.txt, x)\nrun(1)\nfix(f, grav, all, 0, 0)\n");
+    let output = place.run(&["in.mpm"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(place.files(), ["in.mpm"]);
+    let text = stderr(&output);
+    assert!(text.contains("error[E0203]: unknown fix style `grav`"), "{text}");
+    assert!(text.contains("--> in.mpm:12:8"), "{text}");
+}
+
+#[test]
+fn a_particle_that_leaves_the_box_ends_with_1_and_is_named() {
+    let place = Place::new(
+        "fix(v, initial_velocity_particles, all, 2, 0)\ndump(d, all, particle, 5, d.*.txt, x)\nrun_time(1)\n",
+    );
+    let output = place.run(&["in.mpm"]);
+    assert_eq!(output.status.code(), Some(1));
+    let text = stderr(&output);
+    for part in
+        ["left the box", "of solid `ball`", "step ", "time ", "likely cause", "kept: d.*.txt"]
+    {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert!(place.read("log.mpm").contains("Step"));
+    assert!(place.files().contains(&"d.0.txt".to_string()));
+}
+
+#[test]
+fn a_time_step_far_too_large_is_warned_about_and_stops_itself() {
+    let place = Place::new(
+        "fix(v, initial_velocity_particles, all, 0.5*(y-0.5), 0.5*x)\nset_dt(0.3)\nrun(200)\n",
+    );
+    let output = place.run(&["in.mpm"]);
+    assert_eq!(output.status.code(), Some(1), "{}", stdout(&output));
+    let text = stderr(&output);
+    assert!(text.contains("W0205") && text.contains("above the stable one"), "{text}");
+}
+
+#[test]
+fn files_that_cannot_be_read_or_written_end_with_3() {
+    let place = Place::new("dump(d, all, particle, 1, nowhere/d.*.txt, x)\nrun(1)\n");
+    assert_eq!(place.run(&["in.mpm"]).status.code(), Some(3));
+    let output = place.run(&["missing.mpm"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(stderr(&output).contains("missing.mpm"));
+}
+
+#[test]
+fn a_directory_that_vanishes_during_a_run_stops_it_with_its_name() {
+    let place = Place::new("dump(d, all, particle, 1, out/d.*.txt, x)\nrun(1000000)\n");
+    let directory = place.0.path().join("out");
+    std::fs::create_dir(&directory).unwrap();
+    let mut command = place.command();
+    command.args(["in.mpm", "--quiet"]).stderr(std::process::Stdio::piped());
+    let child = command.spawn().unwrap();
+    while !directory.join("d.3.txt").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    std::fs::rename(&directory, place.0.path().join("gone")).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(3));
+    assert!(stderr(&output).contains("cannot write `out/d."), "{}", stderr(&output));
+}
+
+#[test]
+fn an_interrupted_run_keeps_what_it_has_and_ends_with_130() {
+    let place = Place::new("set_output(1)\nrun(100000000)\n");
+    let mut child = place.command().args(["in.mpm", "--quiet"]).spawn().unwrap();
+    let log = place.0.path().join("log.mpm");
+    while std::fs::read_to_string(&log).map_or(0, |text| text.lines().count()) < 20 {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(kill.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(place.read("log.mpm").contains("Loop time of"));
+}
+
+#[test]
+fn without_arguments_usage_is_shown_and_the_status_is_2() {
+    let place = Place::new("");
+    let output = place.run(&[]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(stderr(&output).lines().count(), 3);
+}
+
+#[test]
+fn several_processes_are_refused() {
+    let place = Place::new("run(1)\n");
+    let output = place.command().arg("in.mpm").env("OMPI_COMM_WORLD_SIZE", "4").output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("started as 4 processes"));
+}
+
+#[test]
+fn variables_of_the_command_line_win() {
+    let place = Place::new("n = 3\nrun(n)\n");
+    let output = place.run(&["-in", "in.mpm", "-var", "n", "7", "-log", "none"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stdout(&output).contains("for 7 steps"), "{}", stdout(&output));
+    assert_eq!(place.files(), ["in.mpm"]);
+}
+
+#[test]
+fn check_describes_the_run_and_writes_nothing() {
+    let place = Place::new("dump(d, all, particle, 1, d.*.txt, x)\nrun(10)\n");
+    let output = place.run(&["check", "in.mpm"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    for part in ["particles", "bytes per particle", "temperature", "off:", "acoustic limit"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert_eq!(place.files(), ["in.mpm"]);
+}
+
+#[test]
+fn styles_and_codes_are_explained() {
+    let place = Place::new("");
+    let output = place.run(&["styles", "material", "neo-hookean"]);
+    assert!(stdout(&output).contains("material(ID, neo-hookean, rho, E, nu"));
+    assert!(stdout(&place.run(&["explain", "E0203"])).contains("E0203"));
+    assert_eq!(place.run(&["explain", "E9999"]).status.code(), Some(2));
+    assert_eq!(place.run(&["styles", "matreial"]).status.code(), Some(2));
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_panic() {
+    let place = Place::new("run(2000)\n");
+    let line = format!("'{}' in.mpm | head -n 1", cargo_bin!("karamelo-rs").display());
+    let output =
+        Command::new("sh").args(["-c", &line]).current_dir(place.0.path()).output().unwrap();
+    assert!(!stderr(&output).contains("panicked"), "{}", stderr(&output));
+}
+
+/// Runs a Python script with an interpreter that has the readers; `None` if there is none.
+fn python(arguments: &[&Path]) -> Option<Output> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let candidates = [root.join("target/readers/bin/python"), "python3".into()];
+    let interpreter = candidates.into_iter().find(|candidate| {
+        let test = ["-c", "import ovito, lammps_logfile"];
+        Command::new(candidate).args(test).output().is_ok_and(|output| output.status.success())
+    })?;
+    let script = root.join("tests/python/read_outputs.py");
+    Some(Command::new(interpreter).arg(script).args(arguments).output().unwrap())
+}
+
+#[test]
+fn ovito_and_lammps_logfile_read_our_files() {
+    let place = Place::new(
+        "fix(v, initial_velocity_particles, all, 0.1, 0.2)
+dump(a, all, particle, 10, p.*.dump, ovito)
+dump(b, all, particle/gz, 10, p.*.dump.gz, x, y, z, vx, vy, vz)
+dump(c, all, particle/bin, 10, p.*.bin, x, y, z, vx, vy, vz)
+log_modify(custom, dt, time, Ek)
+set_output(5)
+run(10)
+",
+    );
+    assert_eq!(place.run(&["in.mpm", "--quiet"]).status.code(), Some(0));
+    match python(&[place.0.path()]) {
+        Some(output) => {
+            println!("{}", stdout(&output));
+            assert!(output.status.success(), "{}{}", stdout(&output), stderr(&output));
+        }
+        None => println!("not tested: Python's ovito and lammps-logfile are not installed"),
+    }
+}

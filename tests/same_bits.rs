@@ -1,0 +1,90 @@
+//! The same bits for any number of threads, twice in a row, and in one run or several.
+
+use assert_cmd::cargo::cargo_bin;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command;
+
+/// Two bodies of different laws that meet, with gravity and walls: 3-D, above the size from
+/// which several threads are used.
+const SCRIPT: &str = "
+h = 1/16
+method(ulmpm, FLIP, linear, 0.99)
+dimension(3, 0, 1, 0, 1, 0, 2, h)
+region(low, block, 0.1, 0.9, 0.1, 0.9, 0.1, 0.7)
+region(ball, sphere, 0.5, 0.5, 1.05, 0.25)
+region(ground, block, INF, INF, INF, INF, INF, h/4)
+material(soft, neo-hookean, 1000, 1e5, 0.3)
+material(hard, linear, 2000, 1e6, 0.2)
+solid(base, region, low, 2, soft, h)
+solid(body, region, ball, 2, hard, h)
+group(particles, particles, region, ball, solid, body)
+group(floor, nodes, region, ground)
+fix(drop, initial_velocity_particles, particles, 0.3, 0.1*x, -4)
+fix(gravity, body_force, all, 0, 0, -9.81)
+fix(stand, velocity_nodes, floor, 0, 0, 0)
+compute(Ek, kinetic_energy, all)
+compute(Es, strain_energy, all)
+log_modify(custom, step, dt, time, Ek, Es, stand_z)
+set_output(10)
+dump(a, all, particle, 20, p.*.dump, x, y, z, vx, vy, vz, seq, s11, s23, volume)
+dump(b, all, particle/gz, 60, p.*.gz, x, y, z, e11)
+dump(c, all, particle/bin, 60, p.*.bin, x, y, z, e11)
+dump(d, all, grid, 60, g.*.dump, x, y, z, vx, vy, vz, mass)
+";
+
+/// Runs the script; gives the bytes of all dumps and the rows of the log.
+fn outputs(threads: &str, runs: &str) -> BTreeMap<String, Vec<u8>> {
+    let directory = tempfile::tempdir().unwrap();
+    let script = directory.path().join("in.mpm");
+    std::fs::write(&script, format!("{SCRIPT}{runs}")).unwrap();
+    let status = Command::new(cargo_bin!("karamelo-rs"))
+        .args(["in.mpm", "--quiet", "--threads", threads])
+        .current_dir(directory.path())
+        .status()
+        .unwrap();
+    assert!(status.success());
+    read(directory.path())
+}
+
+fn read(directory: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut files = BTreeMap::new();
+    for entry in std::fs::read_dir(directory).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let bytes = std::fs::read(&path).unwrap();
+        match name.as_str() {
+            "in.mpm" => {}
+            "log.mpm" => {
+                let text = String::from_utf8(bytes).unwrap();
+                let row = |line: &&str| line.trim_start().starts_with(|c: char| c.is_ascii_digit());
+                let rows: Vec<&str> = text.lines().filter(row).collect();
+                files.insert(name, rows.join("\n").into_bytes());
+            }
+            _ => {
+                files.insert(name, bytes);
+            }
+        }
+    }
+    files
+}
+
+#[test]
+fn threads_do_not_change_a_byte() {
+    let one = outputs("1", "run(120)");
+    assert!(one.len() > 7 + 3 + 3 + 3, "{:?}", one.keys());
+    for threads in ["1", "2", "3"] {
+        let other = outputs(threads, "run(120)");
+        for (name, bytes) in &one {
+            assert!(other.get(name) == Some(bytes), "{name} differs with {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn a_force_in_the_twelfth_digit_is_seen() {
+    // The test above can fail.
+    let one = outputs("1", "run(20)");
+    let moved = outputs("1", "fix(nudge, body_force, all, 1e-12, 0, 0)\nrun(20)");
+    assert!(one["p.20.dump"] != moved["p.20.dump"]);
+}
