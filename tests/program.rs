@@ -78,6 +78,23 @@ fn a_run_ends_with_0_and_a_log_that_readers_understand() {
 }
 
 #[test]
+fn a_dump_of_the_grid_shows_the_mass_of_the_body_in_every_scene() {
+    // The second scene has a fix between two steps' stress and P2G.
+    for fix in ["body_force, all, 0, -1", "velocity_particles, left, 0, -0.1"] {
+        let place =
+            Place::new(&format!("fix(f, {fix})\ndump(d, all, grid, 5, g.*.txt, mass)\nrun(5)\n"));
+        assert_eq!(place.run(&["in.mpm", "--quiet"]).status.code(), Some(0));
+        for name in ["g.0.txt", "g.5.txt"] {
+            let text = place.read(name);
+            let masses = text.lines().skip(11).map(|line| line.split(' ').next_back().unwrap());
+            let sum: f64 = masses.map(|mass| mass.parse::<f64>().unwrap()).sum();
+            // 52 particles of 1000 (0.1/2)^2.
+            assert!((sum - 52.0 * 2.5).abs() < 1e-9, "{fix} {name}: {sum}");
+        }
+    }
+}
+
+#[test]
 fn a_mistake_ends_with_2_and_writes_nothing() {
     let place =
         Place::new("dump(d, all, particle, 1, d.*.txt, x)\nrun(1)\nfix(f, grav, all, 0, 0)\n");

@@ -186,8 +186,13 @@ impl Outputs {
     /// Is anything due after this step?
     pub fn is_due(&self, step: u64, last: bool) -> bool {
         self.row_due(step, last)
-            || self.dumps.iter().any(|entry| entry.due(step))
+            || self.dump_is_due(step)
             || self.curves.iter().any(|curve| curve.due(step, last))
+    }
+
+    /// Is a dump due after this step?
+    pub fn dump_is_due(&self, step: u64) -> bool {
+        self.dumps.iter().any(|entry| entry.due(step))
     }
 
     fn row_due(&self, step: u64, last: bool) -> bool {

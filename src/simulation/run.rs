@@ -269,6 +269,13 @@ impl Simulation {
         if !self.outputs.is_due(self.clock.step, last) {
             return Ok(());
         }
+        if !self.loops.scattered && self.outputs.dump_is_due(self.clock.step) {
+            // A fix stands before the coming P2G: the nodes are filled for the dump alone.
+            let hooks = Hooks::default();
+            let mut parts = self.parts(&hooks);
+            parts.points_to_grid();
+            parts.loops.scattered = false;
+        }
         let slots = self.outputs.slots_due(self.clock.step, last);
         self.refresh(&slots);
         let next = self.next.unwrap_or(TimeStep { dt: self.clock.dt, limit: Limit::Fixed });
