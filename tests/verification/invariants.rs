@@ -152,7 +152,8 @@ fn the_two_disks_stay_mirror_images_and_keep_their_momentum() {
         .flat_map(|(a, b)| [a[0] + b[0], a[1] + b[1]])
         .fold(0.0, |worst: f64, sum| worst.max(sum.abs()));
     // Half-open cells are not mirror images: particles within round-off of a node may differ.
-    assert!(asymmetry < 1e-10, "{asymmetry:.2e}");
+    println!("V1 asymmetry {asymmetry:.2e}");
+    assert!(asymmetry < 1e-12, "{asymmetry:.2e}");
 }
 
 #[test]
