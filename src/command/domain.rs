@@ -1,11 +1,13 @@
 //! `method`, `scheme`, `dimension` and settings of the whole scene.
 
+use super::compatibility::old_form;
 use super::scene::Scene;
 use super::{Action, action};
 use crate::material::StressRate;
 use crate::model::domain::Domain;
 use crate::script::arguments::{Args, Name};
 use crate::script::diagnostic::{Code, Diagnostic};
+use crate::script::source::Span;
 use crate::script::suggest;
 use crate::transfer::Transfer;
 
@@ -99,16 +101,30 @@ pub fn dimension(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagn
         }
         (lower[axis], upper[axis]) = (low.value, high.value);
     }
-    let cell = args.positive("the cell size h")?;
-    let domain = Domain { dimension, lower, upper, cell: cell.value };
-    let longest = (0..dimension).map(|a| (upper[a] - lower[a]) / cell.value).fold(0.0, f64::max);
-    if longest >= MOST_CELLS {
-        let message = format!("the box has {longest:.3e} cells along one axis");
-        return Err(Diagnostic::error(Code::TooLarge, cell.span, message)
-            .label("the cell size is too small for the box"));
+    if args.remaining() == 0 && dimension > 1 {
+        // The old form: the first solid brings the cell size.
+        old_form(args, "dimension(d, xlo, xhi, ylo, yhi, h)");
+        scene.domain = Some(Domain { dimension, lower, upper, cell: f64::NAN });
+        return Ok(action(|_| ()));
     }
+    let span = args.next_span();
+    let cell = args.positive("the cell size h")?.value;
+    let domain = Domain { dimension, lower, upper, cell };
+    check_cells(&domain, span)?;
     scene.domain = Some(domain);
     Ok(action(move |session| session.simulation.set_domain(domain)))
+}
+
+/// Refuses cells so small that the nodes of the box cannot be numbered.
+pub fn check_cells(domain: &Domain, span: Span) -> Result<(), Diagnostic> {
+    let cells = |axis: usize| (domain.upper[axis] - domain.lower[axis]) / domain.cell;
+    let longest = (0..domain.dimension).map(cells).fold(0.0, f64::max);
+    if longest < MOST_CELLS {
+        return Ok(());
+    }
+    let message = format!("the box has {longest:.3e} cells along one axis");
+    Err(Diagnostic::error(Code::TooLarge, span, message)
+        .label("the cell size is too small for the box"))
 }
 
 /// `axisymmetric(false)`

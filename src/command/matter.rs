@@ -1,6 +1,7 @@
 //! `region`, `material`, `solid`, `group`.
 
 use super::compatibility::old_form;
+use super::domain::check_cells;
 use super::scene::{GroupEntry, Scene, SolidEntry};
 use super::{Action, action};
 use crate::fix::GroupKind;
@@ -54,7 +55,7 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
     scene.tried.push("solid");
     let id = args.word("a solid ID")?;
     scene.solids.check_free(&id)?;
-    let domain = scene.need_domain(args.command)?;
+    let mut domain = scene.need_domain(args.command)?;
     form_of_solid(args, &id)?;
     let region_name = args.word("a region ID")?;
     let region = scene.regions.find(&region_name)?.1.clone();
@@ -63,6 +64,12 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
     let material = args.word("a material ID")?;
     let law = scene.materials.find(&material)?.1.clone();
     let cell = args.positive("the cell size h")?;
+    let brings_cell = domain.cell.is_nan();
+    if brings_cell {
+        domain.cell = cell.value;
+        check_cells(&domain, cell.span)?;
+        scene.domain = Some(domain);
+    }
     if cell.known && (cell.value - domain.cell).abs() > SAME_CELL * domain.cell {
         return Err(args.out_of_range(
             &cell,
@@ -80,6 +87,9 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
     scene.solids.declare(&id, entry)?;
     Ok(action(move |session| {
         let simulation = &mut session.simulation;
+        if brings_cell {
+            simulation.set_domain(domain);
+        }
         simulation.add_solid(&id.text, &material.text, law, region.as_ref(), particles_per_cell);
     }))
 }
@@ -205,10 +215,15 @@ pub fn group(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
         return Err(Diagnostic::error(Code::Duplicate, id.span, "the group `all` is predefined")
             .label("choose another ID"));
     }
-    scene.need_domain(args.command)?;
+    let domain = scene.need_domain(args.command)?;
     let kinds = [GroupKind::Particles, GroupKind::Nodes];
     let kind = kinds[args.choice("kind of members", &["particles", "nodes"])?];
     args.choice("way to choose members", &["region"])?;
+    if kind == GroupKind::Nodes && domain.cell.is_nan() {
+        let message = "a group of nodes needs the cell size, which the first solid brings";
+        return Err(Diagnostic::error(Code::Order, args.command.span, message)
+            .label("too early: give h in `dimension`"));
+    }
     let region_name = args.word("a region ID")?;
     let region = scene.regions.find(&region_name)?.1.clone();
     let solids = listed_solids(args, scene)?;
