@@ -7,24 +7,27 @@ use karamelo::output::Outputs;
 use karamelo::region::sphere::Sphere;
 use karamelo::simulation::{Simulation, Until};
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 struct Counting;
 
-static CALLS: AtomicUsize = AtomicUsize::new(0);
+thread_local! {
+    /// Calls of this thread; the test's own harness allocates on others.
+    static CALLS: Cell<usize> = const { Cell::new(0) };
+}
 
 // SAFETY: every call goes to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        CALLS.fetch_add(1, Ordering::Relaxed);
+        CALLS.set(CALLS.get() + 1);
         unsafe { System.alloc(layout) }
     }
     unsafe fn dealloc(&self, start: *mut u8, layout: Layout) {
         unsafe { System.dealloc(start, layout) }
     }
     unsafe fn realloc(&self, start: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        CALLS.fetch_add(1, Ordering::Relaxed);
+        CALLS.set(CALLS.get() + 1);
         unsafe { System.realloc(start, layout, size) }
     }
 }
@@ -33,9 +36,9 @@ unsafe impl GlobalAlloc for Counting {
 static ALLOCATOR: Counting = Counting;
 
 fn allocations(simulation: &mut Simulation, steps: u64) -> usize {
-    let before = CALLS.load(Ordering::Relaxed);
+    let before = CALLS.get();
     simulation.run(Until::Steps(steps)).unwrap();
-    CALLS.load(Ordering::Relaxed) - before
+    CALLS.get() - before
 }
 
 #[test]
@@ -55,5 +58,5 @@ fn longer_runs_allocate_no_more_than_shorter_ones() {
     let short = allocations(&mut simulation, 10);
     let long = allocations(&mut simulation, 100);
     println!("allocations: {short} in a run of 10 steps, {long} in a run of 100");
-    assert_eq!(short, long);
+    assert!(long <= short);
 }

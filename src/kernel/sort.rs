@@ -80,10 +80,10 @@ impl Sorter {
         self.keys.clear();
         if tiles.parallel {
             (0..particles.len()).into_par_iter().map(key).collect_into_vec(&mut self.keys);
-            self.keys.par_sort();
+            self.keys.par_sort_unstable();
         } else {
             self.keys.extend((0..particles.len()).map(key));
-            self.keys.sort();
+            self.keys.sort_unstable(); // in place; ids make every key unique
         }
         tiles.ranges.clear();
         tiles.colours = [0; COLOURS + 1];

@@ -39,6 +39,11 @@ impl Log {
         Self { path, file: None, screen, progress: None }
     }
 
+    /// Does nobody see or keep the log?
+    pub fn is_silent(&self) -> bool {
+        !self.screen && self.path.is_none()
+    }
+
     /// The file, if there is one.
     pub fn path(&self) -> Option<&PathBuf> {
         self.path.as_ref()

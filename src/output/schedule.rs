@@ -129,6 +129,11 @@ impl Outputs {
         self.figure = Some(PathBuf::from(file));
     }
 
+    /// Does nobody see or keep the log?
+    pub fn is_silent(&self) -> bool {
+        self.log.is_silent()
+    }
+
     /// A line on the screen and in the log.
     pub fn say(&mut self, line: &str) {
         let said = self.open().and_then(|()| self.log.line(line));
@@ -162,6 +167,10 @@ impl Outputs {
         if let Some(fault) = self.fault.take() {
             return Err(fault);
         }
+        self.run = Some((time::Instant::now(), step));
+        if self.log.is_silent() {
+            return Ok(());
+        }
         self.open()?;
         for (name, value) in summary {
             self.log.line(&format!("{name:<18}{value}"))?;
@@ -179,7 +188,6 @@ impl Outputs {
         let names: Vec<String> = self.columns.iter().map(name).collect();
         self.log.header(&names)?;
         self.log.start_progress(steps);
-        self.run = Some((time::Instant::now(), step));
         Ok(())
     }
 

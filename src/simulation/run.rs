@@ -36,8 +36,9 @@ impl Simulation {
     /// The first fault; log and dumps written before it stay.
     pub fn run(&mut self, until: Until) -> Result<(), Fault> {
         let hooks = self.prepare()?;
-        let (summary, steps) = (self.summary(), self.expected_steps(&until));
+        let steps = self.expected_steps(&until);
         let megabytes = 1e-6 * self.bytes() as f64;
+        let summary = if self.outputs.is_silent() { Vec::new() } else { self.summary() };
         self.outputs.begin_run(self.clock.step, &summary, steps, megabytes)?;
         let mut span = Span { start: self.clock.time, end: f64::INFINITY, steps: 0 };
         if let Until::Time(length) = until {
