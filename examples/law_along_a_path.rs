@@ -5,32 +5,19 @@
 //! so turns back; with the logarithmic rate it keeps rising.
 
 use karamelo::material::linear::Linear;
-use karamelo::material::{Chunk, Elastic, LANES, Lane, Law, StressRate};
-use karamelo::model::column::Column;
-use karamelo::model::particles::Particles;
+use karamelo::material::point::Point;
+use karamelo::material::{Description, Elastic, Law, StressRate};
+use karamelo::math::tensor::Tensor;
 
 /// Shear stress s12 \[P\] of `law` after simple shear up to `gamma` in `steps` steps.
 fn simple_shear(law: &dyn Law, rate: StressRate, gamma: f64, steps: u32) -> f64 {
-    let mut particles = Particles::new();
-    particles.require(law.columns(3, rate));
-    particles.push(1, 0, [0.0; 3], 1.0, 1.0);
-
-    let dt = 1.0 / f64::from(steps);
-    let zero: Lane = [0.0; LANES];
-    let shear: Lane = [gamma; LANES]; // L12, constant over one unit of time
+    let mut point = Point::new(law, 3, Description::Updated(rate));
+    let mut shear = Tensor::zeros();
+    shear[(0, 1)] = gamma; // L12, constant over one unit of time
     for _ in 0..steps {
-        let mut columns = particles.columns.iter_mut();
-        law.update(&mut Chunk {
-            dimension: 3,
-            dt,
-            rate,
-            gradient: std::array::from_fn(|entry| if entry == 1 { &shear } else { &zero }),
-            columns: std::array::from_fn(|_| columns.next().map_or(&mut [][..], |c| &mut c[..])),
-            len: 1,
-            failed: None,
-        });
+        point.step(&shear, 1.0 / f64::from(steps));
     }
-    particles.column(Column::S12)[0]
+    point.stress()[(0, 1)]
 }
 
 fn main() {

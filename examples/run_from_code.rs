@@ -33,7 +33,7 @@ fn main() -> Result<(), Fault> {
 
     let mut wall = Bounds::EVERYWHERE;
     wall.upper[0] = 0.25 * h;
-    simulation.add_node_group("wall", Arc::new(Block(wall)));
+    simulation.add_node_group("wall", Arc::new(Block(wall)), None);
     let still = Components::new("wall", [Some(Formula::constant(0.0)), None, None]);
     simulation.add_fix("wall", Box::new(VelocityNodes::new(GroupId(1), still)));
 

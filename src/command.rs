@@ -8,6 +8,7 @@ mod compatibility;
 mod domain;
 mod hook;
 mod matter;
+mod method;
 mod output;
 pub mod play;
 mod run;
@@ -53,9 +54,9 @@ pub const COMMANDS: &[Style<Read>] = &[
         "method",
         "type, sub, shape [, alpha] [, option ...]",
         "the method, the transfer of velocities and the shape function",
-        domain::method,
+        method::method,
     ),
-    row("scheme", "musl|usl|usf", "the order of the parts of a step", domain::scheme),
+    row("scheme", "musl|usl|usf", "the order of the parts of a step", method::scheme),
     row(
         "dimension",
         "d, xlo, xhi [, ylo, yhi [, zlo, zhi]], h",
@@ -69,7 +70,13 @@ pub const COMMANDS: &[Style<Read>] = &[
         "the objective rate of hypoelastic laws",
         domain::stress_rate,
     ),
-    row("anti_locking", "none|fbar", "a remedy for volumetric locking", domain::anti_locking),
+    row("anti_locking", "none|fbar", "a remedy for volumetric locking", method::anti_locking),
+    row(
+        "anti_volumetric_locking",
+        "true|false",
+        "another word for anti_locking",
+        method::anti_volumetric_locking,
+    ),
     row(
         "boundary",
         "error|delete|bounce",
@@ -128,7 +135,6 @@ pub const COMMANDS: &[Style<Read>] = &[
     reserved("write_restart", "file", "a restart file now"),
     reserved("read_restart", "file", "goes on from a restart file"),
     reserved("thermal_blend", "a", "the blend of temperatures"),
-    reserved("anti_volumetric_locking", "true|false", "old form of anti_locking"),
     reserved("include", "file", "the text of another script"),
     reserved("partition_domain", "...", "cuts the box for ranks"),
     reserved("dump_modify", "...", "changes a dump"),

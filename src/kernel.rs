@@ -5,31 +5,44 @@
 //! | loop | reads | writes |
 //! | --- | --- | --- |
 //! | [`grid::update`] | momentum, mass, force | v*, v* - v |
-//! | [`gather::sweep`] | v*, v* - v at x | v, dx of particles; momentum of the second mapping |
-//! | [`grid::divide`] | second mapping, mass | nodal velocity |
-//! | [`stress::sweep`] | nodal velocity at x | F, J, stress; x += dx; mass, momentum, force at the new x |
+//! | [`gather::sweep`] | v*, v* - v | v, dx of particles; momentum of the second mapping |
+//! | [`grid::divide_and_clear`] and its kin | second mapping, mass | nodal velocity |
+//! | [`points::sweep`] | nodal velocity | F, J, stress; x += dx; mass, momentum, force of the next step |
 //!
-//! Particles are sorted by tile ([`tiles`]); tiles of one colour share no node, so they run in
-//! parallel and every sum has one order for any number of threads.
+//! Weights belong to the place of a particle (updated Lagrangian) or to its reference place (total
+//! Lagrangian). Particles are sorted by tile ([`tiles`]); tiles of one colour share no node, so
+//! they run in parallel and every sum has one order for any number of threads.
 
+pub mod chunk;
+pub mod dilation;
+pub mod filter;
 pub mod gather;
 pub mod grid;
-pub mod scatter;
+pub mod points;
 pub mod shared;
 pub mod sort;
 pub mod stencil;
-pub mod stress;
 pub mod tiles;
 
-/// Runs a generic kernel for the dimension of the scene: `by_dimension!(d, kernel, args...)` calls
-/// `kernel::<1, 2, Linear>(args...)` and so on.
-macro_rules! by_dimension {
-    ($dimension:expr, $kernel:ident, $($argument:expr),+) => {
-        match $dimension {
-            1 => $kernel::<1, 2, $crate::shape::Linear>($($argument),+),
-            2 => $kernel::<2, 2, $crate::shape::Linear>($($argument),+),
-            _ => $kernel::<3, 2, $crate::shape::Linear>($($argument),+),
+/// Runs a generic kernel for the dimension and shape function of the scene:
+/// `by_kind!(d, shape, kernel, args...)` calls `kernel::<2, 4, Cubic>(args...)` and so on.
+macro_rules! by_kind {
+    ($dimension:expr, $shape:expr, $kernel:ident, $($argument:expr),+) => {{
+        use $crate::shape::{Bernstein, Cubic, Linear, Quadratic, ShapeKind};
+        match ($dimension, $shape) {
+            (1, ShapeKind::Linear) => $kernel::<1, 2, Linear>($($argument),+),
+            (2, ShapeKind::Linear) => $kernel::<2, 2, Linear>($($argument),+),
+            (_, ShapeKind::Linear) => $kernel::<3, 2, Linear>($($argument),+),
+            (1, ShapeKind::Quadratic) => $kernel::<1, 3, Quadratic>($($argument),+),
+            (2, ShapeKind::Quadratic) => $kernel::<2, 3, Quadratic>($($argument),+),
+            (_, ShapeKind::Quadratic) => $kernel::<3, 3, Quadratic>($($argument),+),
+            (1, ShapeKind::Cubic) => $kernel::<1, 4, Cubic>($($argument),+),
+            (2, ShapeKind::Cubic) => $kernel::<2, 4, Cubic>($($argument),+),
+            (_, ShapeKind::Cubic) => $kernel::<3, 4, Cubic>($($argument),+),
+            (1, ShapeKind::Bernstein) => $kernel::<1, 3, Bernstein>($($argument),+),
+            (2, ShapeKind::Bernstein) => $kernel::<2, 3, Bernstein>($($argument),+),
+            (_, ShapeKind::Bernstein) => $kernel::<3, 3, Bernstein>($($argument),+),
         }
-    };
+    }};
 }
-pub(crate) use by_dimension;
+pub(crate) use by_kind;

@@ -44,6 +44,7 @@ pub mod material;
 pub mod math;
 pub mod measure;
 pub mod memory;
+pub mod method;
 pub mod model;
 pub mod output;
 pub mod plan;

@@ -2,3 +2,4 @@
 
 pub mod tensor;
 pub mod v4;
+pub mod wide;

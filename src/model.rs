@@ -5,4 +5,5 @@ pub mod column;
 pub mod domain;
 pub mod grid;
 pub mod group;
+pub mod lattice;
 pub mod particles;

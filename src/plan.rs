@@ -12,6 +12,8 @@ pub struct Plan {
     pub stages: [bool; Stage::COUNT],
     /// Nodal external forces are kept apart from internal ones.
     pub external_force: bool,
+    /// Something reads places of nodes, which move in total Lagrangian methods.
+    pub node_places: bool,
     /// The wave speed of each particle is needed (dt is adaptive).
     pub wave_speed: bool,
 }

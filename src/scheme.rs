@@ -1,24 +1,26 @@
 //! Schemes: the order of the parts of a step (language.md 7).
 
 pub mod musl;
+pub mod usf;
+pub mod usl;
 
 use crate::compute::Compute;
 use crate::fault::Fault;
 use crate::fix::Fix;
 use crate::kernel::gather::{self, Gather};
+use crate::kernel::points::{self, Points};
 use crate::kernel::sort::Sorter;
-use crate::kernel::stencil::Frame;
-use crate::kernel::stress::{self, Stress};
 use crate::kernel::tiles::{Report, Tiles};
-use crate::kernel::{grid, scatter};
+use crate::kernel::{dilation, filter, grid};
 use crate::measure::{self, Captured};
 use crate::model::clock::Clock;
 use crate::model::column::Column;
 use crate::plan::Plan;
 use crate::script::formula::{Board, Quantity, Slot};
 use crate::step::{Stage, Step};
+use crate::style::Style;
 use crate::timing::{Phase, Timing};
-use crate::transfer::Transfer;
+use crate::transfer::{Transfer, TransferKind};
 use crate::watch;
 use crate::world::World;
 
@@ -45,10 +47,16 @@ pub struct Loops {
     pub tiles: Tiles,
     /// Memory of the sort.
     pub sorter: Sorter,
+    /// Memory of the filter of XPIC.
+    pub spare: Vec<[f64; 4]>,
     /// Largest distance, in cells, that a particle can have moved since the last sort.
     pub travelled: f64,
-    /// The nodes hold mass, momentum and force of the coming step.
+    /// The nodes hold what P2G brings for the coming step.
     pub scattered: bool,
+    /// The nodes hold mass and momentum of the coming step: only forces are missing.
+    pub carried: bool,
+    /// What limits the time step, by lattice, as the last stress update found it.
+    pub limits: Vec<Report>,
     /// Number of sorts so far.
     pub sorts: u64,
     /// Time spent by phase.
@@ -57,6 +65,15 @@ pub struct Loops {
 
 /// Cells a particle may move before the next sort, less what rounding can add.
 const MOVEMENT: f64 = 0.99;
+
+/// What P2G brings to the nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scatter {
+    /// Mass and momentum.
+    Motion,
+    /// Mass, momentum and internal force.
+    Everything,
+}
 
 /// Everything a scheme may touch during a step; outputs and the script are out of reach.
 pub struct Parts<'a> {
@@ -78,17 +95,13 @@ pub struct Parts<'a> {
     pub hooks: &'a Hooks,
     /// What the scene needs.
     pub plan: &'a Plan,
-    /// How particles take velocities from the grid.
+    /// How velocities pass between particles and grid.
     pub transfer: Transfer,
     /// Tiles, sort, timing.
     pub loops: &'a mut Loops,
 }
 
 impl Parts<'_> {
-    fn frame(&self) -> Frame {
-        Frame::new(&self.world.domain, &self.world.grid.window)
-    }
-
     /// The fixes of one stage act.
     ///
     /// # Errors
@@ -122,14 +135,23 @@ impl Parts<'_> {
         self.act(Stage::InitialIntegrate)
     }
 
-    /// Line 5 at the current places.
-    pub fn points_to_grid(&mut self) {
-        let frame = self.frame();
-        let dimension = self.world.domain.dimension;
-        let World { particles, grid, .. } = &mut *self.world;
+    /// What a sweep over the particles needs to know besides what it does.
+    fn points(&self) -> Points {
+        Points {
+            dt: self.clock.dt,
+            affine: self.transfer.has_matrix(),
+            moments: self.transfer.kind == TransferKind::Mls,
+            ..Points::default()
+        }
+    }
+
+    /// Lines 3 and 5 at the current places.
+    pub fn points_to_grid(&mut self, scatter: Scatter) {
+        let force = scatter == Scatter::Everything;
+        let points = Points { motion: true, force, ..self.points() };
         let tiles = &mut self.loops.tiles;
-        grid::clear(grid, tiles.parallel);
-        scatter::sweep(tiles, particles, grid, dimension, &frame);
+        grid::clear(&mut self.world.grid, tiles.parallel);
+        points::sweep(tiles, self.world, points);
         self.loops.scattered = true;
         self.loops.timing.end(Phase::PointsToGrid);
     }
@@ -139,45 +161,54 @@ impl Parts<'_> {
     /// # Errors
     /// The first fault of a fix.
     pub fn nodal_forces(&mut self) -> Result<(), Fault> {
-        let frame = self.frame();
-        let dimension = self.world.domain.dimension;
         self.captured.internal(self.world);
-        let World { particles, grid, .. } = &mut *self.world;
-        grid.external.fill([0.0; 4]);
+        self.world.grid.external.fill([0.0; 4]);
         if self.plan.columns.contains(Column::Bx) && self.hooks.any(&[Stage::InitialIntegrate]) {
-            scatter::external(&mut self.loops.tiles, particles, grid, dimension, &frame);
+            points::external_forces(&mut self.loops.tiles, self.world);
         }
         self.act(Stage::PostParticlesToGrid)?;
         self.captured.external(self.world);
         Ok(())
     }
 
-    /// Line 7.
-    pub fn update_grid(&mut self) {
-        grid::update(&mut self.world.grid, self.loops.tiles.parallel, self.clock.dt);
+    /// Lines 7 and 8: v*, then H3.
+    ///
+    /// # Errors
+    /// The first fault of a fix.
+    pub fn update_grid(&mut self) -> Result<(), Fault> {
+        let tiles = &mut self.loops.tiles;
+        let terms = self.transfer.filter_terms();
+        if let Some(terms) = terms {
+            filter::apply(tiles, self.world, &mut self.loops.spare, terms);
+        }
+        grid::update(&mut self.world.grid, tiles.parallel, self.clock.dt);
         self.loops.timing.end(Phase::Grid);
+        self.act(Stage::PostUpdateGridState)?;
+        if terms.is_some() {
+            filter::exchange(&mut self.world.grid);
+        }
+        Ok(())
     }
 
-    /// Lines 9 to 13 up to the sum of m v; particles are sorted again before they can leave
-    /// their tile.
+    /// Lines 9 to 12 and, if there is a `second_mapping`, the sum of line 13; particles are sorted
+    /// again before they can leave their tile.
     ///
     /// # Errors
     /// A velocity that is not finite, or the first fault of a fix.
-    pub fn grid_to_points(&mut self) -> Result<(), Fault> {
-        let frame = self.frame();
-        let dimension = self.world.domain.dimension;
+    pub fn grid_to_points(&mut self, second_mapping: bool) -> Result<(), Fault> {
         let split = self.hooks.any(&[Stage::PostGridToPoint, Stage::PostAdvanceParticles]);
-        let numbers = Gather { dt: self.clock.dt, alpha: self.transfer.alpha, scatter: !split };
-        let World { particles, grid, .. } = &mut *self.world;
-        let tiles = &mut self.loops.tiles;
-        let mut report = gather::sweep(tiles, particles, grid, dimension, &frame, numbers);
+        let numbers = Gather::new(&self.transfer, self.clock.dt, second_mapping && !split);
+        let mut report = gather::sweep(&mut self.loops.tiles, self.world, numbers);
         self.loops.timing.end(Phase::GridToPoints);
         if split {
             self.act(Stage::PostGridToPoint)?;
             self.act(Stage::PostAdvanceParticles)?;
-            let World { particles, grid, .. } = &mut *self.world;
-            gather::scatter_momentum(&mut self.loops.tiles, particles, grid, dimension, &frame);
-            for dx in &particles.displacement {
+            if second_mapping {
+                let affine = self.transfer.is_affine();
+                gather::scatter_momentum(&mut self.loops.tiles, self.world, affine);
+            }
+            let dimension = self.world.domain.dimension;
+            for dx in &self.world.particles.displacement {
                 report.farthest =
                     dx[..dimension].iter().fold(report.farthest, |d, x| d.max(x.abs()));
             }
@@ -186,9 +217,11 @@ impl Parts<'_> {
         if !report.watch.is_finite() {
             return Err(watch::not_finite(self.world, &self.clock));
         }
-        self.loops.travelled += report.farthest / self.world.domain.cell;
-        if self.loops.travelled > MOVEMENT {
-            self.sort();
+        if !self.world.method.total {
+            self.loops.travelled += report.farthest / self.world.domain.cell;
+            if self.loops.travelled > MOVEMENT {
+                self.sort();
+            }
         }
         Ok(())
     }
@@ -201,34 +234,130 @@ impl Parts<'_> {
         self.loops.timing.end(Phase::Sort);
     }
 
-    /// Line 13, the division by m, and H6; the nodes are cleared for the next step.
+    /// Are masses and momenta of the next step those of the second mapping?
+    fn carries_momentum(&self) -> bool {
+        let changed = [Stage::InitialIntegrate, Stage::FinalIntegrate];
+        self.world.method.total && !self.transfer.gradient_enhanced && !self.hooks.any(&changed)
+    }
+
+    /// Clears the nodes for the next P2G, unless they carry its momentum.
+    fn clear_nodes(&mut self) {
+        if !self.loops.carried {
+            grid::clear(&mut self.world.grid, self.loops.tiles.parallel);
+        }
+    }
+
+    /// Line 13, the division by m, then line 14: H6 and the places of nodes. The nodes are left
+    /// ready for the next P2G.
     ///
     /// # Errors
     /// The first fault of a fix.
     pub fn second_mapping(&mut self) -> Result<(), Fault> {
         let parallel = self.loops.tiles.parallel;
-        if self.hooks.any(&[Stage::PostVelocitiesToGrid]) {
-            grid::divide(&mut self.world.grid, parallel);
-            self.loops.timing.end(Phase::Grid);
-            self.act(Stage::PostVelocitiesToGrid)?;
-            grid::clear(&mut self.world.grid, parallel);
-        } else {
-            grid::divide_and_clear(&mut self.world.grid, parallel);
+        let later =
+            self.hooks.any(&[Stage::PostVelocitiesToGrid]) || self.world.method.averaged_dilation;
+        self.loops.carried = self.carries_momentum();
+        let grid = &mut self.world.grid;
+        match (self.loops.carried, later) {
+            (true, _) => grid::divide_and_carry(grid, parallel),
+            (false, true) => grid::divide(grid, parallel),
+            (false, false) => grid::divide_and_clear(grid, parallel),
         }
         self.loops.timing.end(Phase::Grid);
+        self.act(Stage::PostVelocitiesToGrid)?;
+        self.average_dilation();
+        if later {
+            self.clear_nodes();
+        }
+        grid::displace(&mut self.world.grid, self.clock.dt);
+        self.loops.timing.end(Phase::Grid);
         Ok(())
+    }
+
+    /// In place of [`Parts::second_mapping`]: strains follow from v* (usl).
+    pub fn keep_updated(&mut self) {
+        let parallel = self.loops.tiles.parallel;
+        grid::take_updated(&mut self.world.grid, parallel);
+        self.average_dilation();
+        self.loops.carried = false;
+        self.clear_nodes();
+        grid::displace(&mut self.world.grid, self.clock.dt);
+        self.loops.timing.end(Phase::Grid);
+    }
+
+    /// v = v* from mass and momentum, H3; strains follow from v (usf).
+    ///
+    /// # Errors
+    /// The first fault of a fix.
+    pub fn first_velocities(&mut self) -> Result<(), Fault> {
+        let parallel = self.loops.tiles.parallel;
+        grid::first_velocities(&mut self.world.grid, parallel);
+        self.loops.timing.end(Phase::Grid);
+        self.act(Stage::PostUpdateGridState)?;
+        grid::velocities_for_strain(&mut self.world.grid, parallel);
+        self.average_dilation();
+        self.loops.timing.end(Phase::Grid);
+        Ok(())
+    }
+
+    /// F-bar: the average of tr L over the particles around each node.
+    fn average_dilation(&mut self) {
+        if self.world.method.averaged_dilation {
+            self.world.grid.dilation.fill(0.0);
+            dilation::sweep(&mut self.loops.tiles, self.world);
+            grid::average_dilation(&mut self.world.grid);
+        }
     }
 
     /// Line 15 and x += dx; P2G of the next step follows at once unless a fix acts before it.
     ///
     /// # Errors
     /// A law that fails or a particle that leaves the box.
-    pub fn stress(&mut self) -> Result<Report, Fault> {
-        let frame = self.frame();
-        let scatter = !self.hooks.any(&[Stage::InitialIntegrate]);
-        let options = Stress { dt: self.clock.dt, time_step: self.plan.wave_speed, scatter };
-        let report = stress::sweep(&mut self.loops.tiles, self.world, &frame, options);
-        self.loops.scattered = scatter;
+    pub fn stress(&mut self) -> Result<(), Fault> {
+        let force = !self.hooks.any(&[Stage::InitialIntegrate]);
+        let motion = force && !self.loops.carried;
+        let matrix_is_gradient = self.transfer.kind == TransferKind::Mls;
+        let stress = Points { matrix_is_gradient, ..self.points_of_stress() };
+        self.sweep_points(Points { advance: true, motion, force, ..stress })?;
+        self.loops.limits.clone_from(&self.loops.tiles.by_lattice);
+        self.loops.scattered = force;
+        Ok(())
+    }
+
+    /// Line 15 and the internal forces of this step (usf).
+    ///
+    /// # Errors
+    /// A law that fails.
+    pub fn stress_first(&mut self) -> Result<(), Fault> {
+        self.sweep_points(Points { force: true, ..self.points_of_stress() })?;
+        self.loops.limits.clone_from(&self.loops.tiles.by_lattice);
+        Ok(())
+    }
+
+    /// x += dx and P2G of mass and momentum of the next step (usf).
+    ///
+    /// # Errors
+    /// A particle that leaves the box.
+    pub fn advance(&mut self) -> Result<(), Fault> {
+        let motion = !self.hooks.any(&[Stage::InitialIntegrate]);
+        grid::clear(&mut self.world.grid, self.loops.tiles.parallel);
+        self.sweep_points(Points { advance: true, motion, ..self.points() })?;
+        self.loops.scattered = motion;
+        Ok(())
+    }
+
+    fn points_of_stress(&self) -> Points {
+        Points {
+            stress: true,
+            time_step: self.plan.wave_speed,
+            averaged_dilation: self.world.method.averaged_dilation,
+            keep_gradient: self.transfer.gradient_enhanced,
+            ..self.points()
+        }
+    }
+
+    fn sweep_points(&mut self, points: Points) -> Result<(), Fault> {
+        let report = points::sweep(&mut self.loops.tiles, self.world, points);
         self.loops.timing.end(Phase::Stress);
         if let Some(particle) = report.failed {
             return Err(watch::inverted(self.world, particle, &self.clock));
@@ -236,15 +365,37 @@ impl Parts<'_> {
         if let Some(particle) = report.escaped {
             return Err(watch::escaped(self.world, particle, &self.clock));
         }
-        Ok(report)
+        Ok(())
     }
 }
 
 /// One step of a scheme.
 pub trait Scheme: Sync {
-    /// Advances everything by dt; gives what the next dt follows from.
+    /// The word in the script.
+    fn kind(&self) -> SchemeKind;
+
+    /// What P2G must have brought to the nodes before a step.
+    fn scatter(&self) -> Scatter {
+        Scatter::Everything
+    }
+
+    /// Advances everything by dt; the reports of the tiles then tell the next dt.
     ///
     /// # Errors
     /// The first fault.
-    fn step(&self, parts: &mut Parts<'_>) -> Result<Report, Fault>;
+    fn step(&self, parts: &mut Parts<'_>) -> Result<(), Fault>;
 }
+
+/// The schemes of the script language.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SchemeKind {
+    /// Modified update stress last.
+    Musl,
+    /// Update stress last.
+    Usl,
+    /// Update stress first.
+    Usf,
+}
+
+/// All schemes.
+pub const SCHEMES: &[Style<&'static dyn Scheme>] = &[musl::STYLE, usl::STYLE, usf::STYLE];

@@ -3,25 +3,143 @@
 //! The weight of a node in 2-D and 3-D is the product over the axes, its gradient follows by the
 //! product rule (language.md 9.7). All axes of a particle are computed together, one per lane.
 
+pub mod bernstein;
+pub mod cubic;
 pub mod linear;
+pub mod quadratic;
 
 use crate::math::v4::Wide;
+use crate::style::Style;
 
+pub use bernstein::Bernstein;
+pub use cubic::Cubic;
 pub use linear::Linear;
+pub use quadratic::Quadratic;
 
 /// Weights of the `W` nodes that see a particle on each axis; the lanes are the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights<const W: usize> {
     /// The first of the nodes, a whole number.
     pub first: [f64; 4],
+    /// Distance of the particle from the first node, in node spacings.
+    pub offset: [f64; 4],
     /// N of each node: `value[k][axis]`.
     pub value: [[f64; 4]; W],
-    /// dN/dr of each node, r in cells: divide by h for dN/dx.
+    /// dN/dr of each node, r in node spacings: divide by the spacing for dN/dx.
     pub slope: [[f64; 4]; W],
+}
+
+impl<const W: usize> Weights<W> {
+    /// The moments N (r_I - r_p)/D, D = sum N (r_I - r_p)^2, in place of the slopes: what an
+    /// affine field is fitted with. Shapes that reproduce places have sum N (r_I - r_p) = 0, so
+    /// that the matrix D_p of language.md 6.1 is diagonal.
+    #[inline(always)]
+    pub fn moments<V: Wide>(mut self) -> Self {
+        let offset = V::load(&self.offset);
+        let mut inertia = V::splat(0.0);
+        let mut arm = [V::splat(0.0); W];
+        for k in 0..W {
+            let distance = V::splat(k as f64) - offset;
+            arm[k] = V::load(&self.value[k]) * distance;
+            inertia = arm[k].mul_add(distance, inertia);
+        }
+        for k in 0..W {
+            (arm[k] / inertia).store(&mut self.slope[k]);
+        }
+        self
+    }
 }
 
 /// A shape function with `W` nodes per axis.
 pub trait Shape<const W: usize> {
-    /// Weights at `r`, the distance from node 0 in cells, on axes whose last node is `last`.
+    /// Affine matrices are fitted with the moments of the weights; otherwise with their slopes.
+    const MOMENTS: bool;
+
+    /// Weights at `r`, the distance from node 0 in node spacings, on axes whose last node is `last`.
     fn weights<V: Wide>(r: V, last: V) -> Weights<W>;
 }
+
+/// Smallest weight of a node whose gradient weight is not zero: a particle exactly on a node then
+/// still gives the nodes around it the mass that their gradient weight needs, so that no force is
+/// lost to an empty node and free flight makes no strain.
+pub const EDGE: f64 = 1e-12;
+
+/// The shape functions of the script language.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ShapeKind {
+    /// Hats.
+    #[default]
+    Linear,
+    /// Quadratic B-splines.
+    Quadratic,
+    /// Cubic B-splines.
+    Cubic,
+    /// Quadratic Bernstein polynomials on cells with mid nodes.
+    Bernstein,
+}
+
+impl ShapeKind {
+    /// Nodes per axis that see a particle.
+    pub fn width(self) -> usize {
+        match self {
+            ShapeKind::Linear => 2,
+            ShapeKind::Quadratic | ShapeKind::Bernstein => 3,
+            ShapeKind::Cubic => 4,
+        }
+    }
+
+    /// Nodes per cell and axis.
+    pub fn nodes_per_cell(self) -> usize {
+        if self == ShapeKind::Bernstein { 2 } else { 1 }
+    }
+
+    /// Is it a B-spline?
+    pub fn is_spline(self) -> bool {
+        matches!(self, ShapeKind::Quadratic | ShapeKind::Cubic)
+    }
+
+    /// First and last node that particles anywhere in a cell can see, on an axis whose last node
+    /// is `last`.
+    pub fn reach(self, cell: usize, last: usize) -> [usize; 2] {
+        let width = self.width();
+        match self {
+            ShapeKind::Linear => [cell, cell + 1],
+            ShapeKind::Bernstein => [2 * cell, 2 * cell + 2],
+            ShapeKind::Quadratic | ShapeKind::Cubic => [
+                cell.saturating_sub(1).min((last + 1).saturating_sub(width)),
+                (cell + 2).max(width - 1).min(last),
+            ],
+        }
+    }
+
+    /// Fewest nodes that an axis must have.
+    pub fn fewest_nodes(self) -> usize {
+        if self.is_spline() { 4 } else { 2 }
+    }
+}
+
+const fn row(
+    name: &'static str,
+    summary: &'static str,
+    manual: &'static str,
+    kind: ShapeKind,
+) -> Style<ShapeKind> {
+    Style { name, usage: "", summary, manual, build: Some(kind) }
+}
+
+/// All shape functions.
+pub const SHAPES: &[Style<ShapeKind>] = &[
+    row("linear", linear::SUMMARY, linear::MANUAL, ShapeKind::Linear),
+    row("quadratic-spline", quadratic::SUMMARY, quadratic::MANUAL, ShapeKind::Quadratic),
+    row("cubic-spline", cubic::SUMMARY, cubic::MANUAL, ShapeKind::Cubic),
+    row("Bernstein-quadratic", bernstein::SUMMARY, bernstein::MANUAL, ShapeKind::Bernstein),
+    reserved("gimp", "uniform particle domains"),
+    reserved("cpgimp", "particle domains that stretch with the material"),
+];
+
+const fn reserved(name: &'static str, summary: &'static str) -> Style<ShapeKind> {
+    Style { name, usage: "", summary, manual: "", build: None }
+}
+
+#[cfg(test)]
+mod conformance;

@@ -1,10 +1,16 @@
 //! What a simulation is about: domain, grid, particles, solids, groups.
 
-use crate::material::{LANES, Law, StressRate, View};
+use crate::material::{Description, LANES, Law, State, StressRate};
+use crate::math::tensor::Tensor;
+use crate::method::Method;
+use crate::model::column::ColumnSet;
 use crate::model::domain::Domain;
 use crate::model::grid::Grid;
 use crate::model::group::Groups;
+use crate::model::lattice::Lattice;
 use crate::model::particles::Particles;
+use crate::region::Region;
+use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -19,6 +25,10 @@ pub struct Solid {
     pub law: Arc<dyn Law>,
     /// Particles per cell and axis.
     pub particles_per_cell: usize,
+    /// The cells its particles were put in: those of the box, in total Lagrangian methods its own.
+    pub cells: Domain,
+    /// Columns that its law and kinematics read and write.
+    pub columns: ColumnSet,
 }
 
 /// Everything that has a place.
@@ -33,33 +43,85 @@ pub struct World {
     pub solids: Vec<Solid>,
     /// All groups.
     pub groups: Groups,
+    /// The method.
+    pub method: Method,
     /// The objective rate of hypoelastic laws.
     pub rate: StressRate,
 }
 
+thread_local! {
+    static STATE: RefCell<Box<State>> = RefCell::default();
+}
+
 impl World {
-    /// The particles in storage order, in chunks of at most [`LANES`] particles of one solid.
-    pub fn chunks(&self) -> impl Iterator<Item = (Range<usize>, &Solid)> {
-        let solid = &self.particles.solid;
-        let mut start = 0;
-        std::iter::from_fn(move || {
-            let first = *solid.get(start)?;
-            let limit = solid.len().min(start + LANES);
-            let end = (start..limit).find(|p| solid[*p] != first).unwrap_or(limit);
-            let range = start..end;
-            start = end;
-            Some((range, &self.solids[first as usize]))
+    /// How deformation is described.
+    pub fn description(&self) -> Description {
+        if self.method.total { Description::Total } else { Description::Updated(self.rate) }
+    }
+
+    /// The cells that the particles of a solid are put in: those of the box, in total Lagrangian
+    /// methods those of size `cell` from the lower corner of the region.
+    pub fn cells_of(&self, region: &dyn Region, cell: f64) -> Domain {
+        let bounds = region.bounds();
+        match self.method.total {
+            true => self.domain.of_limits(bounds.lower, bounds.upper, cell),
+            false => self.domain,
+        }
+    }
+
+    /// The lattices that the method needs: one for all, or one for each solid.
+    pub fn make_lattices(&self) -> Vec<Lattice> {
+        let nodes_per_cell = self.method.shape.nodes_per_cell();
+        if self.method.total {
+            self.solids.iter().map(|solid| Lattice::new(solid.cells, nodes_per_cell)).collect()
+        } else {
+            vec![Lattice::new(self.domain, nodes_per_cell)]
+        }
+    }
+
+    /// Calls `visit(range, solid, state)` for the particles in storage order, in chunks of at most
+    /// [`LANES`] particles of one solid.
+    pub fn each_chunk(&self, mut visit: impl FnMut(Range<usize>, &Solid, &State)) {
+        let of = &self.particles.solid;
+        STATE.with_borrow_mut(|state| {
+            let mut start = 0;
+            while let Some(first) = of.get(start) {
+                let limit = of.len().min(start + LANES);
+                let end = (start..limit).find(|p| of[*p] != *first).unwrap_or(limit);
+                let range = start..end;
+                let solid = &self.solids[*first as usize];
+                self.load(state, solid, range.clone());
+                visit(range, solid, state);
+                start = end;
+            }
+        });
+    }
+
+    fn load(&self, state: &mut State, solid: &Solid, range: Range<usize>) {
+        let particles = &self.particles;
+        let set = particles.present.common(solid.columns);
+        state.load(self.domain.dimension, range.len(), set, |column| {
+            &particles.column(column)[range.clone()]
+        });
+    }
+
+    /// Something about one particle's state.
+    pub fn of_particle<T>(&self, particle: usize, about: impl FnOnce(&Solid, &State) -> T) -> T {
+        STATE.with_borrow_mut(|state| {
+            let solid = &self.solids[self.particles.solid[particle] as usize];
+            self.load(state, solid, particle..particle + 1);
+            about(solid, state)
         })
     }
 
-    /// The state of a chunk of particles, for its law to read.
-    pub fn view(&self, range: Range<usize>) -> View<'_> {
-        View {
-            dimension: self.domain.dimension,
-            len: range.len(),
-            columns: std::array::from_fn(|column| {
-                self.particles.columns[column].get(range.clone()).unwrap_or(&[])
-            }),
-        }
+    /// Cauchy stress of a particle in space axes \[P\].
+    pub fn stress(&self, particle: usize) -> Tensor {
+        let description = self.description();
+        self.of_particle(particle, |solid, state| description.stress(&*solid.law, state, 0))
+    }
+
+    /// F of a particle; the identity where the scene does not have it.
+    pub fn deformation(&self, particle: usize) -> Tensor {
+        self.of_particle(particle, |_, state| state.deformation(0))
     }
 }

@@ -7,7 +7,7 @@ const LAYERS: [&[&str]; 14] = [
     &["math", "fault", "memory", "interrupt", "timing"],
     &["script"],
     &["style"],
-    &["model", "region", "shape", "transfer"],
+    &["model", "region", "shape", "transfer", "method"],
     &["material", "eos", "strength", "damage", "temperature"],
     &["world"],
     &["plan", "step"],

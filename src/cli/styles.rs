@@ -6,12 +6,16 @@ use crate::damage::DAMAGE;
 use crate::eos::EOS;
 use crate::fix::FIXES;
 use crate::material::MATERIALS;
+use crate::method::METHODS;
 use crate::output::DUMPS;
 use crate::region::REGIONS;
+use crate::scheme::SCHEMES;
 use crate::script::suggest;
+use crate::shape::SHAPES;
 use crate::strength::STRENGTH;
 use crate::style::Style;
 use crate::temperature::TEMPERATURE;
+use crate::transfer::TRANSFERS;
 use std::fmt::Write;
 
 /// What the manual says of a style.
@@ -34,8 +38,12 @@ fn entries<B>(table: &'static [Style<B>]) -> Vec<Entry> {
     table.iter().map(entry).collect()
 }
 
-const FAMILIES: [&str; 10] = [
+const FAMILIES: [&str; 14] = [
     "command",
+    "method",
+    "transfer",
+    "shape",
+    "scheme",
     "region",
     "material",
     "eos",
@@ -50,6 +58,10 @@ const FAMILIES: [&str; 10] = [
 fn family(name: &str) -> Option<Vec<Entry>> {
     Some(match name {
         "command" => entries(COMMANDS),
+        "method" => entries(METHODS),
+        "transfer" => entries(TRANSFERS),
+        "shape" => entries(SHAPES),
+        "scheme" => entries(SCHEMES),
         "region" => entries(REGIONS),
         "material" => entries(MATERIALS),
         "eos" => entries(EOS),
@@ -67,6 +79,18 @@ fn family(name: &str) -> Option<Vec<Entry>> {
 fn written(family: &str, entry: &Entry) -> String {
     let before = match family {
         "command" => return format!("{}({})", entry.name, entry.usage),
+        "method" => format!("method({}", entry.name),
+        "transfer" => {
+            let terms = if entry.name == "XPIC" { ", m" } else { "" };
+            let blend = if entry.usage.contains("alpha") {
+                format!(", {}", entry.usage)
+            } else {
+                String::new()
+            };
+            return format!("method(type, {}{terms}, shape{blend})", entry.name);
+        }
+        "shape" => return format!("method(type, sub, {})", entry.name),
+        "scheme" => return format!("scheme({})", entry.name),
         "fix" | "compute" => format!("{family}(ID, {}, group", entry.name),
         "dump" => format!("dump(ID, group, {}, N, file", entry.name),
         _ => format!("{family}(ID, {}", entry.name),

@@ -1,7 +1,7 @@
 //! Old forms that published scripts use (language.md 10).
 
 use super::scene::Scene;
-use super::{Action, action, domain};
+use super::{Action, action, method};
 use crate::script::arguments::Args;
 use crate::script::diagnostic::{Code, Diagnostic};
 
@@ -19,17 +19,19 @@ pub fn old_form(args: &mut Args<'_>, modern: &str) {
 pub fn method_modify(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
     scene.before_runs(args.command)?;
     old_form(args, "method(type, sub, shape, alpha)");
-    let given = args.remaining();
-    let sub = domain::available(args, "sub-method", &["PIC", "FLIP", "APIC"], &["PIC", "FLIP"])?;
-    if given > 1 {
-        let shapes = ["linear", "quadratic-spline", "cubic-spline", "Bernstein-quadratic"];
-        domain::available(args, "shape function", &shapes, &["linear"])?;
+    let mut choice = scene.need_method(args);
+    let kind = method::transfer_kind(args)?;
+    if args.remaining() > 0 {
+        let (span, shape) = method::shape(args)?;
+        choice.method.shape = shape;
+        for (_, solid) in scene.solids.iter() {
+            method::check_nodes(&solid.cells, shape, span)?;
+        }
     }
-    let alpha =
-        if given > 2 { Some(args.within("the blend alpha", 0.0, 1.0)?.value) } else { None };
-    let pic = sub.text == "PIC";
+    choice.transfer = method::blend(args, kind, Some(choice.transfer.alpha))?;
+    scene.method = Some(choice);
     Ok(action(move |session| {
-        let transfer = &mut session.simulation.transfer;
-        transfer.alpha = if pic { 0.0 } else { alpha.unwrap_or(transfer.alpha) };
+        session.simulation.world.method.shape = choice.method.shape;
+        session.simulation.transfer = choice.transfer;
     }))
 }

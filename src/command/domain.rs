@@ -1,4 +1,4 @@
-//! `method`, `scheme`, `dimension` and settings of the whole scene.
+//! `dimension` and settings of the whole scene.
 
 use super::compatibility::old_form;
 use super::scene::Scene;
@@ -9,12 +9,6 @@ use crate::script::arguments::{Args, Name};
 use crate::script::diagnostic::{Code, Diagnostic};
 use crate::script::source::Span;
 use crate::script::suggest;
-use crate::transfer::Transfer;
-
-const TYPES: [&str; 4] = ["ulmpm", "tlmpm", "ulcpdi", "tlcpdi"];
-const SUBS: [&str; 7] = ["PIC", "FLIP", "APIC", "AFLIP", "ASFLIP", "MLS", "XPIC"];
-const SHAPES: [&str; 6] =
-    ["linear", "quadratic-spline", "cubic-spline", "Bernstein-quadratic", "gimp", "cpgimp"];
 
 /// Most cells along an axis: places in memory are found with 32 bits per axis.
 const MOST_CELLS: f64 = 4e9;
@@ -40,40 +34,6 @@ pub fn available(
     Err(Diagnostic::error(Code::UnknownStyle, word.span, format!("unknown {what} `{}`", word.text))
         .label(format!("not a {what}"))
         .help(suggest::help(&word.text, known.iter().copied(), &otherwise)))
-}
-
-/// Reads sub-method, shape and alpha of `method`.
-pub fn transfer(args: &mut Args<'_>) -> Result<Transfer, Diagnostic> {
-    let sub = available(args, "sub-method", &SUBS, &["PIC", "FLIP"])?;
-    available(args, "shape function", &SHAPES, &["linear"])?;
-    if sub.text == "PIC" {
-        return Ok(Transfer { alpha: 0.0 });
-    }
-    Ok(Transfer { alpha: args.within("the blend alpha", 0.0, 1.0)?.value })
-}
-
-/// `method(type, sub, shape [, alpha] [, option ...])`
-pub fn method(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
-    if scene.method {
-        let message = "a second `method`";
-        return Err(Diagnostic::error(Code::Duplicate, args.command.span, message)
-            .label("the method is given above"));
-    }
-    scene.method = true;
-    available(args, "method type", &TYPES, &["ulmpm"])?;
-    let transfer = transfer(args)?;
-    let options = ["mechanical", "thermo-mechanical", "gradient-enhanced"];
-    while args.remaining() > 0 {
-        available(args, "method option", &options, &["mechanical"])?;
-    }
-    Ok(action(move |session| session.simulation.transfer = transfer))
-}
-
-/// `scheme(musl)`
-pub fn scheme(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
-    scene.before_runs(args.command)?;
-    available(args, "scheme", &["musl", "usl", "usf"], &["musl"])?;
-    Ok(action(|_| ()))
 }
 
 /// `dimension(d, xlo, xhi [, ylo, yhi [, zlo, zhi]], h)`
@@ -134,13 +94,6 @@ pub fn axisymmetric(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Di
     Ok(action(|_| ()))
 }
 
-/// `anti_locking(none)`
-pub fn anti_locking(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
-    scene.before_runs(args.command)?;
-    available(args, "remedy for locking", &["none", "fbar"], &["none"])?;
-    Ok(action(|_| ()))
-}
-
 /// `boundary(error)`
 pub fn boundary(args: &mut Args<'_>, _scene: &mut Scene) -> Result<Action, Diagnostic> {
     available(args, "boundary policy", &["error", "delete", "bounce"], &["error"])?;
@@ -154,5 +107,12 @@ pub fn stress_rate(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Dia
     let rates =
         [StressRate::None, StressRate::Jaumann, StressRate::GreenNaghdi, StressRate::Logarithmic];
     let rate = rates[args.choice("stress rate", &words)?];
+    if scene.method.is_some_and(|choice| choice.method.total) {
+        let message = "`stress_rate` has no effect in total Lagrangian methods";
+        args.remarks.push(
+            Diagnostic::warning(Code::NoEffect, args.command.span, message)
+                .label("the rate is always that of Green and Naghdi"),
+        );
+    }
     Ok(action(move |session| session.simulation.set_rate(rate)))
 }

@@ -2,6 +2,7 @@
 
 use super::compatibility::old_form;
 use super::domain::check_cells;
+use super::method::check_nodes;
 use super::scene::{GroupEntry, Scene, SolidEntry};
 use super::{Action, action};
 use crate::fix::GroupKind;
@@ -56,6 +57,8 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
     let id = args.word("a solid ID")?;
     scene.solids.check_free(&id)?;
     let mut domain = scene.need_domain(args.command)?;
+    let default_method = scene.method.is_none();
+    let choice = scene.need_method(args);
     form_of_solid(args, &id)?;
     let region_name = args.word("a region ID")?;
     let region = scene.regions.find(&region_name)?.1.clone();
@@ -70,7 +73,8 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
         check_cells(&domain, cell.span)?;
         scene.domain = Some(domain);
     }
-    if cell.known && (cell.value - domain.cell).abs() > SAME_CELL * domain.cell {
+    let total = choice.method.total;
+    if !total && cell.known && (cell.value - domain.cell).abs() > SAME_CELL * domain.cell {
         return Err(args.out_of_range(
             &cell,
             &format!("the cell size of the solid must be that of the grid, {}", domain.cell),
@@ -79,18 +83,33 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
     if args.remaining() > 0 {
         args.number("the initial temperature T0")?;
     }
+    if total {
+        let bounds = region.bounds();
+        domain = domain.of_limits(bounds.lower, bounds.upper, cell.value);
+        check_bounded(&domain, &region_name)?;
+        check_cells(&domain, cell.span)?;
+    }
+    check_nodes(&domain, choice.method.shape, cell.span)?;
     check_size(&domain, region.as_ref(), particles_per_cell, args, count_span)?;
     if args.rehearsal() {
-        check_solid(args, scene, &domain, &id, &region_name, region.as_ref(), particles_per_cell)?;
+        let entry = SolidEntry { region: region.clone(), particles_per_cell, cells: domain };
+        check_solid(args, scene, &id, &region_name, &entry, total)?;
     }
-    let entry = SolidEntry { region: region.clone(), particles_per_cell };
+    let cells = domain;
+    let entry = SolidEntry { region: region.clone(), particles_per_cell, cells };
     scene.solids.declare(&id, entry)?;
+    let domain = scene.need_domain(args.command)?;
     Ok(action(move |session| {
         let simulation = &mut session.simulation;
         if brings_cell {
             simulation.set_domain(domain);
         }
-        simulation.add_solid(&id.text, &material.text, law, region.as_ref(), particles_per_cell);
+        if default_method {
+            simulation.set_method(choice.method);
+            simulation.transfer = choice.transfer;
+        }
+        let (name, material, region) = (&id.text, &material.text, region.as_ref());
+        simulation.add_solid_of_cell(name, material, law, region, particles_per_cell, cells.cell);
     }))
 }
 
@@ -119,6 +138,19 @@ fn form_of_solid(args: &mut Args<'_>, id: &Name) -> Result<(), Diagnostic> {
         _ => {}
     }
     Ok(())
+}
+
+/// Refuses a region without bounds.
+fn check_bounded(cells: &Domain, region: &Name) -> Result<(), Diagnostic> {
+    let bounded = (0..cells.dimension)
+        .all(|axis| cells.lower[axis].is_finite() && cells.upper[axis].is_finite());
+    if bounded {
+        return Ok(());
+    }
+    let message = "in total Lagrangian methods the region of a solid must be bounded";
+    Err(Diagnostic::error(Code::Range, region.span, message)
+        .label("reaches to infinity")
+        .help("the solid's own grid spans the limits of its region"))
 }
 
 /// Refuses more particles than memory can hold, before any is made.
@@ -157,12 +189,13 @@ fn check_size(
 fn check_solid(
     args: &mut Args<'_>,
     scene: &Scene,
-    domain: &Domain,
     id: &Name,
     region_name: &Name,
-    region: &dyn Region,
-    particles_per_cell: usize,
+    solid: &SolidEntry,
+    total: bool,
 ) -> Result<(), Diagnostic> {
+    let (domain, particles_per_cell) = (&solid.cells, solid.particles_per_cell);
+    let region = solid.region.as_ref();
     let first = fill::visit(domain, region, particles_per_cell, ControlFlow::Break);
     if first.is_continue() {
         let message =
@@ -178,7 +211,7 @@ fn check_solid(
         (low.is_finite() && low < domain.lower[axis] - slack)
             || (high.is_finite() && high > domain.upper[axis] + slack)
     });
-    if cut {
+    if cut && !total {
         let message = format!("solid `{}` is cut by the box", id.text);
         args.remarks.push(
             Diagnostic::warning(Code::CutByBox, region_name.span, message)
@@ -259,7 +292,7 @@ pub fn group(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
     Ok(action(move |session| {
         let simulation = &mut session.simulation;
         let any = match kind {
-            GroupKind::Nodes => simulation.add_node_group(&id.text, region),
+            GroupKind::Nodes => simulation.add_node_group(&id.text, region, solids.as_deref()),
             _ => simulation.add_particle_group(&id.text, region.as_ref(), solids.as_deref()) > 0,
         };
         if !any {

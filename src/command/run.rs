@@ -39,7 +39,7 @@ pub fn dt_factor(args: &mut Args<'_>, _scene: &mut Scene) -> Result<Action, Diag
 /// What a run cannot do without.
 fn need_scene(args: &Args<'_>, scene: &mut Scene) -> Result<(), Diagnostic> {
     let mut missing = Vec::new();
-    if !scene.method {
+    if scene.method.is_none() && scene.solids.is_empty() {
         missing.push("`method(ulmpm, FLIP, linear, 1)`");
     }
     if scene.domain.is_none() && !scene.tried.contains(&"dimension") {

@@ -1,11 +1,13 @@
 //! What the statements read so far have declared.
 
+use super::method::Choice;
 use crate::fix::GroupKind;
 use crate::material::Law;
 use crate::model::domain::Domain;
 use crate::model::group::GroupId;
 use crate::region::Region;
-use crate::script::arguments::Name;
+use crate::scheme::SchemeKind;
+use crate::script::arguments::{Args, Name};
 use crate::script::diagnostic::{Code, Diagnostic};
 use crate::script::suggest;
 use std::sync::Arc;
@@ -103,6 +105,8 @@ pub struct SolidEntry {
     pub region: Arc<dyn Region>,
     /// Particles per cell and axis.
     pub particles_per_cell: usize,
+    /// The cells its particles were put in.
+    pub cells: Domain,
 }
 
 /// A group as declared.
@@ -122,8 +126,10 @@ pub struct Declared {
 
 /// All declarations so far.
 pub struct Scene {
-    /// `method` has been given.
-    pub method: bool,
+    /// What `method` chose, or the default from the first solid on.
+    pub method: Option<Choice>,
+    /// What `scheme` chose.
+    pub scheme: SchemeKind,
     /// Box and cells.
     pub domain: Option<Domain>,
     /// Regions.
@@ -153,7 +159,8 @@ impl Default for Scene {
         let mut groups = Names::new("group");
         groups.set("all", GroupEntry { id: GroupId::ALL, kind: GroupKind::All });
         Self {
-            method: false,
+            method: None,
+            scheme: SchemeKind::Musl,
             domain: None,
             regions: Names::new("region"),
             materials: Names::new("material"),
@@ -188,6 +195,19 @@ impl Scene {
                 format!("`{}` needs `dimension(...)` above it", at.text),
             )
             .label("too early"),
+        })
+    }
+
+    /// The method, or the default of old scripts with a warning.
+    pub fn need_method(&mut self, args: &mut Args<'_>) -> Choice {
+        *self.method.get_or_insert_with(|| {
+            let message = "no `method` stands above: the default is taken";
+            args.remarks.push(
+                Diagnostic::warning(Code::Compatibility, args.command.span, message)
+                    .label("total Lagrangian, FLIP, linear")
+                    .help("the modern line is `method(tlmpm, FLIP, linear, 0.99)`"),
+            );
+            Choice::default()
         })
     }
 

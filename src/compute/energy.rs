@@ -2,7 +2,7 @@
 
 use super::{BuildCompute, Compute};
 use crate::fix::{GroupKind, Target};
-use crate::material::LANES;
+use crate::material::NOTHING;
 use crate::model::group::GroupId;
 use crate::script::diagnostic::Diagnostic;
 use crate::style::Style;
@@ -62,15 +62,15 @@ pub fn kinetic_energy(world: &World, group: GroupId) -> f64 {
 pub fn strain_energy(world: &World, group: GroupId) -> f64 {
     let members = &world.groups[group].members;
     let particles = &world.particles;
-    let mut energy = [0.0; LANES];
+    let mut energy = NOTHING;
     let mut sum = 0.0;
-    for (range, solid) in world.chunks() {
-        solid.law.stored_energy(&world.view(range.clone()), &mut energy);
-        for (p, energy) in range.zip(&energy) {
+    world.each_chunk(|range, solid, state| {
+        solid.law.stored_energy(state, &mut energy);
+        for (p, energy) in range.zip(energy.as_flattened()) {
             if particles.belongs(p, members) {
                 sum += particles.velocity[p][3] * energy;
             }
         }
-    }
+    });
     sum
 }

@@ -1,6 +1,6 @@
 //! A force per mass.
 
-use super::components::{Components, of_nodes, of_particles};
+use super::components::{Components, of_particles};
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
 use crate::model::column::Column;
@@ -81,15 +81,20 @@ impl Fix for BodyForce {
 impl BodyForce {
     fn push_nodes(&self, step: &mut Step<'_>, now: &Instant) -> Result<[f64; 3], Fault> {
         let mut total = [0.0; 3];
-        let position = of_nodes(step.world);
-        let (members, mut nodal) = step.world.grid.split(self.group);
+        let (members, mut nodal, places) = step.world.grid.split(self.group);
         let members = members.iter().map(|node| *node as usize);
-        self.force.each(step.board, now, members, position, |node, force| {
-            let mass = nodal.mass(node);
-            let force = force.map(|f| mass * f.unwrap_or(0.0));
-            nodal.add_force(node, force);
-            add(&mut total, force);
-        })?;
+        self.force.each(
+            step.board,
+            now,
+            members,
+            |node| places.of(node),
+            |node, force| {
+                let mass = nodal.mass(node);
+                let force = force.map(|f| mass * f.unwrap_or(0.0));
+                nodal.add_force(node, force);
+                add(&mut total, force);
+            },
+        )?;
         Ok(total)
     }
 

@@ -7,7 +7,6 @@ use crate::plan::Plan;
 use crate::script::arguments::{Args, Place};
 use crate::script::diagnostic::{Code, Diagnostic};
 use crate::script::formula::{Board, Formula, Instant, Points};
-use crate::world::World;
 
 const BLOCK: usize = 64;
 
@@ -20,15 +19,6 @@ pub struct Components {
 
 /// Current and reference position of a member of a group.
 pub type Position = ([f64; 3], [f64; 3]);
-
-/// Position of active nodes; a node of the grid is always at its reference position.
-pub fn of_nodes(world: &World) -> impl Fn(usize) -> Position + use<> {
-    let (domain, window) = (world.domain, world.grid.window);
-    move |node| {
-        let place = domain.node(window.node(node));
-        (place, place)
-    }
-}
 
 /// Position of particles: their places and their columns x0, y0, z0.
 pub fn of_particles<'a>(
@@ -86,6 +76,7 @@ impl Components {
 
     /// Reference positions, if a formula reads them.
     pub fn needs(&self, plan: &mut Plan, dimension: usize) {
+        plan.node_places |= self.axes.iter().flatten().any(|formula| formula.reads_current());
         if self.axes.iter().flatten().any(|formula| formula.reads_reference()) {
             plan.columns.extend(&[Column::X0, Column::Y0, Column::Z0][..dimension]);
         }

@@ -1,6 +1,6 @@
 //! A given total force, shared by nodes.
 
-use super::components::{Components, of_nodes};
+use super::components::Components;
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
 use crate::model::group::GroupId;
@@ -48,8 +48,7 @@ impl Fix for ForceNodes {
     }
 
     fn apply(&mut self, _stage: Stage, step: &mut Step<'_>) -> Result<(), Fault> {
-        let position = of_nodes(step.world);
-        let (members, mut nodal) = step.world.grid.split(self.group);
+        let (members, mut nodal, places) = step.world.grid.split(self.group);
         let heavy = members.iter().filter(|node| nodal.mass(**node as usize) > 0.0).count();
         let share = if heavy > 0 { 1.0 / heavy as f64 } else { 0.0 };
         let mut total = [0.0; 3];
@@ -58,7 +57,7 @@ impl Fix for ForceNodes {
             step.board,
             &Instant::start(&step.clock),
             members,
-            position,
+            |node| places.of(node),
             |node, force| {
                 if nodal.mass(node) > 0.0 {
                     let force = force.map(|f| share * f.unwrap_or(0.0));

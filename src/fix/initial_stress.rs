@@ -60,8 +60,7 @@ impl Fix for InitialStress {
                 continue;
             }
             let [x, y, z, _] = particles.position[p];
-            let original = [Column::X0, Column::Y0, Column::Z0]
-                .map(|column| particles.column(column).get(p).copied().unwrap_or(0.0));
+            let original = particles.reference_place(p);
             for (component, column) in self.components.iter().zip(COLUMNS) {
                 let (Some(formula), Some(entry)) =
                     (component, particles.column_mut(column).get_mut(p))

@@ -1,6 +1,6 @@
 //! Velocities that nodes have in the first step.
 
-use super::components::{Components, of_nodes};
+use super::components::Components;
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
 use crate::model::group::GroupId;
@@ -26,13 +26,14 @@ pub const STYLE: Style<BuildFix> = Style {
 pub struct InitialVelocityNodes {
     group: GroupId,
     velocity: Components,
-    done: bool,
+    /// The one step in which it acts.
+    acts_in: Option<u64>,
 }
 
 impl InitialVelocityNodes {
     /// Gives nodes a velocity in the coming step.
     pub fn new(group: GroupId, velocity: Components) -> Self {
-        Self { group, velocity, done: false }
+        Self { group, velocity, acts_in: None }
     }
 }
 
@@ -50,26 +51,29 @@ impl Fix for InitialVelocityNodes {
     }
 
     fn apply(&mut self, stage: Stage, step: &mut Step<'_>) -> Result<(), Fault> {
-        if self.done {
+        if *self.acts_in.get_or_insert(step.clock.step) != step.clock.step {
             return Ok(());
         }
         let updated = stage == Stage::PostUpdateGridState;
-        let position = of_nodes(step.world);
-        let (members, mut nodal) = step.world.grid.split(self.group);
+        let (members, mut nodal, places) = step.world.grid.split(self.group);
         let members = members.iter().map(|node| *node as usize);
         let now = Instant::start(&step.clock);
-        self.velocity.each(step.board, &now, members, position, |node, set| {
-            for (axis, set) in set.into_iter().enumerate() {
-                match set {
-                    Some(set) if updated && nodal.mass(node) > 0.0 => {
-                        nodal.prescribe_updated(node, axis, set);
+        self.velocity.each(
+            step.board,
+            &now,
+            members,
+            |node| places.of(node),
+            |node, set| {
+                for (axis, set) in set.into_iter().enumerate() {
+                    match set {
+                        Some(set) if updated && nodal.mass(node) > 0.0 => {
+                            nodal.prescribe_updated(node, axis, set);
+                        }
+                        Some(set) if !updated => nodal.prescribe_mapped(node, axis, set),
+                        _ => {}
                     }
-                    Some(set) if !updated => nodal.prescribe_mapped(node, axis, set),
-                    _ => {}
                 }
-            }
-        })?;
-        self.done = !updated;
-        Ok(())
+            },
+        )
     }
 }

@@ -1,6 +1,6 @@
 //! Prescribed velocities of nodes: walls, symmetry planes, moving grips.
 
-use super::components::{Components, of_nodes};
+use super::components::Components;
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
 use crate::model::group::GroupId;
@@ -41,43 +41,59 @@ impl VelocityNodes {
 
     fn prescribe(&mut self, step: &mut Step<'_>) -> Result<(), Fault> {
         let (begin, end) = (Instant::start(&step.clock), Instant::end(&step.clock));
-        let position = of_nodes(step.world);
-        let (members, mut nodal) = step.world.grid.split(self.group);
+        let (members, mut nodal, places) = step.world.grid.split(self.group);
         let members = members.iter().map(|node| *node as usize);
         let start = &mut self.start;
         start.clear();
-        self.velocity.each(step.board, &begin, members.clone(), &position, |_, velocity| {
-            start.push(velocity.map(|v| v.unwrap_or(0.0)));
-        })?;
+        self.velocity.each(
+            step.board,
+            &begin,
+            members.clone(),
+            |node| places.of(node),
+            |_, velocity| {
+                start.push(velocity.map(|v| v.unwrap_or(0.0)));
+            },
+        )?;
         let mut starts = start.iter();
         let mut reaction = [0.0; 3];
         let dt = step.clock.dt;
-        self.velocity.each(step.board, &end, members, &position, |node, velocity| {
-            let start = starts.next().copied().unwrap_or_default();
-            let mass = nodal.mass(node);
-            for axis in 0..3 {
-                if let (Some(set), true) = (velocity[axis], mass > 0.0) {
-                    let free = nodal.prescribe(node, axis, start[axis], set);
-                    reaction[axis] += mass * (set - free) / dt;
+        self.velocity.each(
+            step.board,
+            &end,
+            members,
+            |node| places.of(node),
+            |node, velocity| {
+                let start = starts.next().copied().unwrap_or_default();
+                let mass = nodal.mass(node);
+                for axis in 0..3 {
+                    if let (Some(set), true) = (velocity[axis], mass > 0.0) {
+                        let free = nodal.prescribe(node, axis, start[axis], set);
+                        reaction[axis] += mass * (set - free) / dt;
+                    }
                 }
-            }
-        })?;
+            },
+        )?;
         self.reaction = reaction;
         Ok(())
     }
 
     fn prescribe_mapped(&mut self, step: &mut Step<'_>) -> Result<(), Fault> {
         let end = Instant::end(&step.clock);
-        let position = of_nodes(step.world);
-        let (members, mut nodal) = step.world.grid.split(self.group);
+        let (members, mut nodal, places) = step.world.grid.split(self.group);
         let members = members.iter().map(|node| *node as usize);
-        self.velocity.each(step.board, &end, members, position, |node, velocity| {
-            for (axis, velocity) in velocity.into_iter().enumerate() {
-                if let Some(velocity) = velocity {
-                    nodal.prescribe_mapped(node, axis, velocity);
+        self.velocity.each(
+            step.board,
+            &end,
+            members,
+            |node| places.of(node),
+            |node, velocity| {
+                for (axis, velocity) in velocity.into_iter().enumerate() {
+                    if let Some(velocity) = velocity {
+                        nodal.prescribe_mapped(node, axis, velocity);
+                    }
                 }
-            }
-        })
+            },
+        )
     }
 }
 

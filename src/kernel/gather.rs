@@ -1,64 +1,91 @@
 //! G2P: particles take their new velocity from the grid, and give it back for the second mapping.
 
-use super::by_dimension;
+use super::by_kind;
 use super::shared::Shared;
 use super::stencil::{Frame, Stencil};
 use super::tiles::{Report, Tiles};
 use crate::math::v4::{Sweep, Wide, dispatch};
-use crate::model::grid::{Grid, Node};
-use crate::model::particles::Particles;
+use crate::model::grid::Node;
 use crate::shape::Shape;
+use crate::transfer::{Transfer, TransferKind};
+use crate::world::World;
 use std::marker::PhantomData;
-use std::ops::Range;
+
+/// How much of w = sum N v*, of the old velocity and of a dt = sum N (v* - v) makes a quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Mix {
+    grid: f64,
+    old: f64,
+    change: f64,
+}
 
 /// Numbers of the sweep.
 #[derive(Clone, Copy, Debug)]
 pub struct Gather {
-    /// Size of the step \[T\].
-    pub dt: f64,
-    /// 1 is FLIP, 0 is PIC.
-    pub alpha: f64,
+    dt: f64,
+    velocity: Mix,
+    /// x += dt v(new) in place of dt w.
+    own_path: bool,
+    /// C_p <- sum v* (x) (moment or gradient weights).
+    affine: bool,
     /// Also scatter m v for the second mapping.
-    pub scatter: bool,
+    scatter: bool,
+}
+
+impl Gather {
+    /// The sweep of a transfer in a step of size dt.
+    pub fn new(transfer: &Transfer, dt: f64, scatter: bool) -> Self {
+        let alpha = transfer.blend(dt);
+        let velocity = match transfer.kind {
+            // The nodes hold v* and the filtered velocity less v: see `filter`.
+            TransferKind::Xpic(_) => Mix { grid: 1.0, old: 0.0, change: 1.0 },
+            _ => Mix { grid: 1.0 - alpha, old: alpha, change: alpha },
+        };
+        let own_path = transfer.kind == TransferKind::Asflip;
+        Self { dt, velocity, own_path, affine: transfer.is_affine(), scatter }
+    }
 }
 
 /// Lines 9, 11 and, if asked to, 13 of language.md 7.1, for every particle:
-/// w = sum N v*, a dt = sum N (v* - v), dx = dt w, v <- (1 - alpha) w + alpha (v + a dt);
-/// mapped += N m v.
-pub fn sweep(
-    tiles: &mut Tiles,
-    particles: &mut Particles,
-    grid: &mut Grid,
-    dimension: usize,
-    frame: &Frame,
-    numbers: Gather,
-) -> Report {
-    by_dimension!(dimension, sweep_of, tiles, particles, grid, frame, numbers)
+/// w = sum N v*, a dt = sum N (v* - v), dx = dt w, v <- (1 - alpha) w + alpha (v + a dt), C;
+/// mapped += N m (v + C (x_I - x)).
+pub fn sweep(tiles: &mut Tiles, world: &mut World, numbers: Gather) -> Report {
+    by_kind!(world.domain.dimension, world.method.shape, sweep_of, tiles, world, numbers)
 }
 
 fn sweep_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
     tiles: &mut Tiles,
-    particles: &mut Particles,
-    grid: &mut Grid,
-    frame: &Frame,
+    world: &mut World,
     numbers: Gather,
 ) -> Report {
-    let position = &particles.position;
+    let World { particles, grid, method, .. } = world;
+    let places = if method.total { &particles.reference } else { &particles.position };
     let velocity = Shared::new(&mut particles.velocity);
     let displacement = Shared::new(&mut particles.displacement);
+    let mut columns = particles.matrix.iter_mut();
+    let matrix: [Shared<'_, [f64; 4]>; 3] =
+        std::array::from_fn(|_| Shared::new(columns.next().map_or(&mut [], |c| c)));
     let mapped = Shared::new(&mut grid.mapped);
     let nodes = &grid.nodes;
-    tiles.sweep(|range, report| {
+    tiles.sweep(|tile, report| {
+        let range = tile.range;
         // SAFETY: the ranges of the tiles do not overlap, so each particle has one writer.
-        let (velocity, displacement) =
-            unsafe { (velocity.part(range.clone()), displacement.part(range.clone())) };
-        dispatch(Tile::<'_, D, W, S> {
-            position: &position[range],
+        let (velocity, displacement, matrix) = unsafe {
+            let columns =
+                matrix.each_ref().map(|column| match numbers.affine && !column.is_empty() {
+                    true => column.part(range.clone()),
+                    false => &mut [],
+                });
+            (velocity.part(range.clone()), displacement.part(range.clone()), columns)
+        };
+        dispatch(Part::<'_, D, W, S> {
+            places: &places[range],
             velocity,
             displacement,
+            matrix,
             nodes,
             mapped,
-            frame: *frame,
+            frame: *tile.frame,
             numbers,
             report,
             shape: PhantomData,
@@ -66,10 +93,11 @@ fn sweep_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
     })
 }
 
-struct Tile<'a, const D: usize, const W: usize, S> {
-    position: &'a [[f64; 4]],
+struct Part<'a, const D: usize, const W: usize, S> {
+    places: &'a [[f64; 4]],
     velocity: &'a mut [[f64; 4]],
     displacement: &'a mut [[f64; 4]],
+    matrix: [&'a mut [[f64; 4]]; 3],
     nodes: &'a [Node],
     mapped: Shared<'a, [f64; 4]>,
     frame: Frame,
@@ -78,52 +106,60 @@ struct Tile<'a, const D: usize, const W: usize, S> {
     shape: PhantomData<S>,
 }
 
-impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Tile<'_, D, W, S> {
+impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: Wide>(self) {
-        if self.numbers.scatter {
-            self.particles::<V, true>();
-        } else {
-            self.particles::<V, false>();
+        match (self.numbers.scatter, self.numbers.affine) {
+            (true, false) => self.particles::<V, true, false>(),
+            (false, false) => self.particles::<V, false, false>(),
+            (true, true) => self.particles::<V, true, true>(),
+            (false, true) => self.particles::<V, false, true>(),
         }
     }
 }
 
-impl<const D: usize, const W: usize, S: Shape<W>> Tile<'_, D, W, S> {
+/// What a particle sees on the grid.
+struct Gathered<V, const D: usize> {
+    w: V,
+    a: V,
+    /// Columns of sum v* (x) weights, per node spacing.
+    matrix: [V; D],
+}
+
+impl<const D: usize, const W: usize, S: Shape<W>> Part<'_, D, W, S> {
     #[inline(always)]
-    fn particles<V: Wide, const SCATTER: bool>(self) {
-        let Gather { dt, alpha, .. } = self.numbers;
-        let (dt, flip, pic) = (V::splat(dt), V::splat(alpha), V::splat(1.0 - alpha));
-        let (frame, nodes, mapped) = (self.frame, self.nodes, self.mapped);
+    fn particles<V: Wide, const SCATTER: bool, const AFFINE: bool>(self) {
+        let Self { places, velocity, displacement, matrix, nodes, mapped, frame, .. } = self;
+        let Gather { dt, velocity: mix, own_path, .. } = self.numbers;
+        let [dt, grid, old, change] = [dt, mix.grid, mix.old, mix.change].map(V::splat);
+        let path = V::splat(if own_path { 1.0 } else { 0.0 });
         let (mut farthest, mut watch) = (V::splat(0.0), V::splat(0.0));
-        let particles = self.position.iter().zip(self.velocity).zip(self.displacement);
-        for ((position, velocity), displacement) in particles {
-            let stencil = frame.stencil::<V, D, W, S>(V::load(position));
-            let (mut w, mut a) = (V::splat(0.0), V::splat(0.0));
-            for number in 0..Stencil::<D, W>::ROWS {
-                let row = stencil.row(number);
-                let nodes = &nodes[row.first..row.first + W];
-                let (mut row_w, mut row_a) = (V::splat(0.0), V::splat(0.0));
-                for (k, node) in nodes.iter().enumerate() {
-                    let weight = V::splat(stencil.value(k));
-                    row_w = weight.mul_add(V::load(&node.motion), row_w);
-                    row_a = weight.mul_add(V::load(&node.change), row_a);
-                }
-                let weight = V::splat(row.value);
-                w = weight.mul_add(row_w, w);
-                a = weight.mul_add(row_a, a);
-            }
-            let old = V::load(velocity);
-            let new = pic.mul_add(w, flip * (old + a));
-            new.with_last(old).store(velocity);
-            let dx = dt * w;
+        let particles = places.iter().zip(velocity).zip(displacement).enumerate();
+        for (p, ((place, velocity), displacement)) in particles {
+            let stencil = frame.stencil::<V, D, W, S>(V::load(place));
+            let steep = if AFFINE { stencil.affine::<V, S>() } else { stencil };
+            let seen = gather_one::<V, D, W, AFFINE>(&stencil, &steep, nodes);
+            let before = V::load(velocity);
+            let new = old.mul_add(before, grid.mul_add(seen.w, change * seen.a));
+            new.with_last(before).store(velocity);
+            let dx = dt * path.mul_add(new - seen.w, seen.w);
             dx.store(displacement);
             farthest = farthest.larger(dx.absolute());
             watch = watch + new;
+            let mass = V::splat(place[3]);
+            let mut spread = [V::splat(0.0); D];
+            if AFFINE {
+                let inverse = V::splat(frame.inverse_spacing);
+                for axis in 0..D {
+                    spread[axis] = mass * seen.matrix[axis];
+                    let column = inverse * seen.matrix[axis];
+                    column.with_last(V::splat(0.0)).store(&mut matrix[axis][p]);
+                }
+            }
             if SCATTER {
-                scatter_one(&stencil, V::splat(position[3]) * new, mapped);
+                scatter_one::<V, D, W, AFFINE>(&stencil, mass * new, &spread, mapped);
             }
         }
         let (far, sum) = (farthest.array(), watch.array());
@@ -132,56 +168,113 @@ impl<const D: usize, const W: usize, S: Shape<W>> Tile<'_, D, W, S> {
     }
 }
 
-/// mapped += N m v for one particle.
+/// sum N v*, sum N (v* - v) and, if asked to, sum v* (x) weights.
 #[inline(always)]
-fn scatter_one<V: Wide, const D: usize, const W: usize>(
+fn gather_one<V: Wide, const D: usize, const W: usize, const AFFINE: bool>(
+    stencil: &Stencil<D, W>,
+    steep: &Stencil<D, W>,
+    nodes: &[Node],
+) -> Gathered<V, D> {
+    let zero = V::splat(0.0);
+    let mut sum = Gathered { w: zero, a: zero, matrix: [zero; D] };
+    for number in 0..Stencil::<D, W>::ROWS {
+        let row = stencil.row(number);
+        let nodes = &nodes[row.first..row.first + W];
+        let (mut w, mut a, mut slope) = (zero, zero, zero);
+        for (k, node) in nodes.iter().enumerate() {
+            let weight = V::splat(stencil.value(k));
+            let motion = V::load(&node.motion);
+            w = weight.mul_add(motion, w);
+            a = weight.mul_add(V::load(&node.change), a);
+            if AFFINE {
+                slope = V::splat(steep.slope(k)).mul_add(motion, slope);
+            }
+        }
+        let weight = V::splat(row.value);
+        sum.w = weight.mul_add(w, sum.w);
+        sum.a = weight.mul_add(a, sum.a);
+        if AFFINE {
+            let outer = steep.row(number);
+            for axis in 0..D - 1 {
+                sum.matrix[axis] = V::splat(outer.slope[axis]).mul_add(w, sum.matrix[axis]);
+            }
+            sum.matrix[D - 1] = weight.mul_add(slope, sum.matrix[D - 1]);
+        }
+    }
+    sum
+}
+
+/// mapped += N m (v + C (x_I - x)) for one particle; `spread` is m C h, column by column.
+#[inline(always)]
+fn scatter_one<V: Wide, const D: usize, const W: usize, const AFFINE: bool>(
     stencil: &Stencil<D, W>,
     momentum: V,
+    spread: &[V; D],
     mapped: Shared<'_, [f64; 4]>,
 ) {
+    let mut first = momentum;
+    if AFFINE {
+        for axis in 0..D {
+            first = V::splat(-stencil.offset(axis)).mul_add(spread[axis], first);
+        }
+    }
     for number in 0..Stencil::<D, W>::ROWS {
         let row = stencil.row(number);
         // SAFETY: tiles of one colour share no node (see `tiles`).
         let nodes = unsafe { mapped.row::<W>(row.first) };
-        let momentum = V::splat(row.value) * momentum;
+        let mut momentum = first;
+        if AFFINE {
+            for axis in 0..D - 1 {
+                momentum = V::splat(row.outer[axis]).mul_add(spread[axis], momentum);
+            }
+        }
+        let value = V::splat(row.value);
+        let (mut momentum, step) = (value * momentum, value * spread[D - 1]);
         for (k, node) in nodes.iter_mut().enumerate() {
             V::splat(stencil.value(k)).mul_add(momentum, V::load(node)).store(node);
+            if AFFINE {
+                momentum = momentum + step;
+            }
         }
     }
 }
 
-/// Line 13 alone: mapped += N m v, for steps whose fixes change particles after the gathering.
-pub fn scatter_momentum(
-    tiles: &mut Tiles,
-    particles: &Particles,
-    grid: &mut Grid,
-    dimension: usize,
-    frame: &Frame,
-) {
-    by_dimension!(dimension, scatter_of, tiles, particles, grid, frame);
+/// Line 13 alone: mapped += N m (v + C (x_I - x)), for steps whose fixes change particles after the
+/// gathering.
+pub fn scatter_momentum(tiles: &mut Tiles, world: &mut World, affine: bool) {
+    by_kind!(world.domain.dimension, world.method.shape, scatter_of, tiles, world, affine);
 }
 
 fn scatter_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
     tiles: &mut Tiles,
-    particles: &Particles,
-    grid: &mut Grid,
-    frame: &Frame,
+    world: &mut World,
+    affine: bool,
 ) {
+    let World { particles, grid, method, .. } = world;
+    let places = if method.total { &particles.reference } else { &particles.position };
     let mapped = Shared::new(&mut grid.mapped);
-    tiles.sweep(|range: Range<usize>, _| {
+    tiles.sweep(|tile, _| {
+        let matrix = particles.matrix.each_ref().map(|column| match affine {
+            true => column.get(tile.range.clone()).unwrap_or(&[]),
+            false => &[],
+        });
         dispatch(Second::<'_, D, W, S> {
-            position: &particles.position[range.clone()],
-            velocity: &particles.velocity[range],
+            places: &places[tile.range.clone()],
+            velocity: &particles.velocity[tile.range],
+            matrix,
+            affine,
             mapped,
-            frame: *frame,
+            frame: *tile.frame,
             shape: PhantomData,
         });
     });
 }
 
 struct Second<'a, const D: usize, const W: usize, S> {
-    position: &'a [[f64; 4]],
+    places: &'a [[f64; 4]],
     velocity: &'a [[f64; 4]],
+    matrix: [&'a [[f64; 4]]; 3],
+    affine: bool,
     mapped: Shared<'a, [f64; 4]>,
     frame: Frame,
     shape: PhantomData<S>,
@@ -192,10 +285,25 @@ impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Second<'_, D, W, S> 
 
     #[inline(always)]
     fn run<V: Wide>(self) {
-        for (position, velocity) in self.position.iter().zip(self.velocity) {
-            let stencil = self.frame.stencil::<V, D, W, S>(V::load(position));
-            let momentum = V::splat(position[3]) * V::load(velocity);
-            scatter_one(&stencil, momentum, self.mapped);
+        if self.affine { self.particles::<V, true>() } else { self.particles::<V, false>() }
+    }
+}
+
+impl<const D: usize, const W: usize, S: Shape<W>> Second<'_, D, W, S> {
+    #[inline(always)]
+    fn particles<V: Wide, const AFFINE: bool>(self) {
+        for (p, (place, velocity)) in self.places.iter().zip(self.velocity).enumerate() {
+            let stencil = self.frame.stencil::<V, D, W, S>(V::load(place));
+            let mass = V::splat(place[3]);
+            let mut spread = [V::splat(0.0); D];
+            if AFFINE {
+                let scale = mass * V::splat(self.frame.spacing);
+                for axis in 0..D {
+                    spread[axis] = scale * V::load(&self.matrix[axis][p]);
+                }
+            }
+            let momentum = mass * V::load(velocity);
+            scatter_one::<V, D, W, AFFINE>(&stencil, momentum, &spread, self.mapped);
         }
     }
 }

@@ -8,7 +8,7 @@ use std::ops::Range;
 pub const BLOCK: usize = 2048;
 
 /// Visits the active runs of nodes, in parallel blocks if asked to.
-fn for_each_run(
+pub fn for_each_run(
     grid: &mut Grid,
     parallel: bool,
     visit: impl Fn(&mut [Node], &mut [[f64; 4]]) + Sync,
@@ -30,14 +30,20 @@ fn for_each_run(
     }
 }
 
+/// 1/m, or 0 for a node without mass.
+#[inline(always)]
+pub fn inverse_mass(node: &Node, cutoff: f64) -> f64 {
+    let mass = node.motion[3];
+    if mass > cutoff { 1.0 / mass } else { 0.0 }
+}
+
 /// v = momentum/m, v* = v + dt f/m (language.md 7.1 line 7); clears the second mapping.
 /// Nodes without mass stay at rest.
 pub fn update(grid: &mut Grid, parallel: bool, dt: f64) {
     let cutoff = grid.mass_cutoff;
     for_each_run(grid, parallel, |nodes, mapped| {
         for (node, mapped) in nodes.iter_mut().zip(mapped) {
-            let mass = node.motion[3];
-            let inverse = if mass > cutoff { 1.0 / mass } else { 0.0 };
+            let inverse = inverse_mass(node, cutoff);
             for axis in 0..3 {
                 let change = dt * inverse * node.change[axis];
                 node.change[axis] = change;
@@ -49,13 +55,40 @@ pub fn update(grid: &mut Grid, parallel: bool, dt: f64) {
     });
 }
 
+/// v = momentum/m and v* = v, before any force is known (`usf`); the momentum waits in `mapped`.
+pub fn first_velocities(grid: &mut Grid, parallel: bool) {
+    let cutoff = grid.mass_cutoff;
+    for_each_run(grid, parallel, |nodes, mapped| {
+        for (node, mapped) in nodes.iter_mut().zip(mapped) {
+            let inverse = inverse_mass(node, cutoff);
+            *mapped = node.motion;
+            for axis in 0..3 {
+                node.motion[axis] *= inverse;
+            }
+            node.change = [0.0; 4];
+        }
+    });
+}
+
+/// mapped <- v, what `usf` takes strains from; the nodes are as after P2G of mass and momentum.
+pub fn velocities_for_strain(grid: &mut Grid, parallel: bool) {
+    for_each_run(grid, parallel, |nodes, mapped| {
+        for (node, mapped) in nodes.iter_mut().zip(mapped) {
+            let momentum = *mapped;
+            for axis in 0..3 {
+                mapped[axis] = node.motion[axis] - node.change[axis];
+            }
+            *node = Node { motion: momentum, change: [0.0; 4] };
+        }
+    });
+}
+
 /// v = momentum/m of the second mapping (line 13).
 pub fn divide(grid: &mut Grid, parallel: bool) {
     let cutoff = grid.mass_cutoff;
     for_each_run(grid, parallel, |nodes, mapped| {
         for (node, mapped) in nodes.iter().zip(mapped) {
-            let mass = node.motion[3];
-            let inverse = if mass > cutoff { 1.0 / mass } else { 0.0 };
+            let inverse = inverse_mass(node, cutoff);
             for value in mapped {
                 *value *= inverse;
             }
@@ -74,12 +107,55 @@ pub fn divide_and_clear(grid: &mut Grid, parallel: bool) {
     let cutoff = grid.mass_cutoff;
     for_each_run(grid, parallel, |nodes, mapped| {
         for (node, mapped) in nodes.iter_mut().zip(mapped) {
-            let mass = node.motion[3];
-            let inverse = if mass > cutoff { 1.0 / mass } else { 0.0 };
+            let inverse = inverse_mass(node, cutoff);
             for value in mapped {
                 *value *= inverse;
             }
             *node = Node::default();
         }
     });
+}
+
+/// Like [`divide`]; the momentum of the second mapping becomes that of the next step, whose
+/// weights and masses are the same (total Lagrangian).
+pub fn divide_and_carry(grid: &mut Grid, parallel: bool) {
+    let cutoff = grid.mass_cutoff;
+    for_each_run(grid, parallel, |nodes, mapped| {
+        for (node, mapped) in nodes.iter_mut().zip(mapped) {
+            let inverse = inverse_mass(node, cutoff);
+            node.motion[..3].copy_from_slice(&mapped[..3]);
+            *mapped = mapped.map(|momentum| inverse * momentum);
+            node.change = [0.0; 4];
+        }
+    });
+}
+
+/// mapped <- v* for schemes without a second mapping.
+pub fn take_updated(grid: &mut Grid, parallel: bool) {
+    for_each_run(grid, parallel, |nodes, mapped| {
+        for (node, mapped) in nodes.iter().zip(mapped) {
+            *mapped = node.motion;
+        }
+    });
+}
+
+/// dilation <- dilation/m, the average of tr L over the particles around a node.
+pub fn average_dilation(grid: &mut Grid) {
+    let Grid { nodes, dilation, runs, mass_cutoff, .. } = grid;
+    for node in runs.iter().cloned().flatten() {
+        dilation[node] *= inverse_mass(&nodes[node], *mass_cutoff);
+    }
+}
+
+/// u += dt v of the nodes (line 14, total Lagrangian), where something reads it.
+pub fn displace(grid: &mut Grid, dt: f64) {
+    if grid.displaced.is_empty() {
+        return;
+    }
+    let Grid { mapped, displaced, runs, .. } = grid;
+    for node in runs.iter().cloned().flatten() {
+        for (u, v) in displaced[node].iter_mut().zip(&mapped[node][..3]) {
+            *u += dt * v;
+        }
+    }
 }

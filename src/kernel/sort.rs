@@ -1,78 +1,118 @@
-//! Sorting particles by tile and fitting the window of nodes around them.
+//! Sorting particles by tile and fitting the windows of nodes around them.
 //!
-//! Particles are ordered by colour, tile, solid, cell and id. The order depends on their places
-//! alone, never on threads, and it stays until some particle could have crossed a cell.
+//! Particles are ordered by colour, lattice, tile, solid, cell and id. The order depends on their
+//! places alone, never on threads, and it stays until some particle could have crossed a cell.
 
+use super::stencil::Frame;
 use super::tiles::{COLOURS, Order, Report, SMALLEST_PARALLEL, Tiles};
-use crate::model::domain::Domain;
-use crate::model::grid::{Grid, Node, Window};
+use crate::model::grid::{Grid, Keeps, Node};
+use crate::model::lattice::{Lattice, Window};
 use crate::model::particles::Particles;
+use crate::shape::ShapeKind;
 use crate::world::World;
 use rayon::prelude::*;
-
-/// Nodes beyond the cell of a particle that its shape function reaches, below and above.
-const REACH: [usize; 2] = [0, 1];
-
-/// Cells that a particle may cross before the next sort.
-const MOVEMENT: usize = 1;
 
 /// Memory of the sort, kept from one to the next.
 #[derive(Default)]
 pub struct Sorter {
+    orders: Vec<Order>,
     keys: Vec<Key>,
     records: Vec<[f64; 4]>,
     numbers: Vec<f64>,
     words: Vec<u64>,
     ids: Vec<u32>,
     solids: Vec<u16>,
+    bounds: Vec<Bounds>,
     marks: [Vec<u8>; 2],
-    nodes: Vec<Node>,
-    mapped: Vec<[f64; 4]>,
+    old: Grid,
 }
 
-/// Where a particle goes: ordered by tile and solid, then cell, then id.
+/// Where a particle goes: ordered by colour and lattice, tile and solid, then cell, then id.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 struct Key {
+    group: u32,
     tile: u64,
-    cell: u32,
+    within: u32,
     id: u32,
     from: u32,
 }
 
-/// Cell of a place, the last cell for places on the upper border.
-fn cell_of(domain: &Domain, cells: [usize; 3], place: [f64; 4]) -> [usize; 3] {
-    std::array::from_fn(|axis| {
-        if axis >= domain.dimension {
-            return 0;
+/// Smallest and largest cell per axis.
+type Bounds = [[usize; 3]; 2];
+
+const NOTHING: Bounds = [[usize::MAX; 3], [0; 3]];
+
+fn joined([low, high]: Bounds, [l, h]: Bounds) -> Bounds {
+    [std::array::from_fn(|a| low[a].min(l[a])), std::array::from_fn(|a| high[a].max(h[a]))]
+}
+
+/// Places that the sort goes by: before and after the movement of the step under way.
+struct Places<'a> {
+    particles: &'a Particles,
+    total: bool,
+}
+
+impl Places<'_> {
+    fn lattice(&self, p: usize) -> usize {
+        if self.total { self.particles.solid[p] as usize } else { 0 }
+    }
+
+    fn before(&self, p: usize) -> [f64; 4] {
+        if self.total { self.particles.reference[p] } else { self.particles.position[p] }
+    }
+
+    fn after(&self, p: usize) -> [f64; 4] {
+        if self.total {
+            return self.particles.reference[p];
         }
-        let r = (place[axis] - domain.lower[axis]) * (1.0 / domain.cell);
-        (r as usize).min(cells[axis] - 1)
-    })
+        let (x, dx) = (self.particles.position[p], self.particles.displacement[p]);
+        std::array::from_fn(|axis| x[axis] + dx[axis])
+    }
 }
 
 impl Sorter {
-    /// Sorts the particles by the places they are about to have (x + dx) and fits the window to
-    /// the old and the new places. Nodal values of the step under way are kept.
+    /// Sorts the particles by the places they are about to have (x + dx; reference places in
+    /// total Lagrangian methods) and fits the windows to the old and the new places. Nodal values
+    /// of the step under way are kept.
     pub fn sort(&mut self, world: &mut World, tiles: &mut Tiles) {
-        let (domain, particles) = (&world.domain, &mut world.particles);
-        self.order(domain, particles, tiles);
-        self.permute(particles);
-        self.fit(domain, particles, &mut world.grid, tiles.parallel);
-        world.grid.gather_groups(domain, &world.groups);
+        let particles = &mut world.particles;
+        let lattices = &world.grid.lattices;
+        let total = world.method.total;
+        let mut orders = std::mem::take(&mut self.orders);
+        orders.clear();
+        orders
+            .extend(lattices.iter().map(|lattice| Order::new(&lattice.cells, world.method.shape)));
+        self.order(&orders, lattices, &Places { particles, total }, tiles);
+        self.permute(particles, tiles.parallel);
+        let places = Places { particles, total };
+        self.find_bounds(&orders, lattices, &places, tiles.parallel);
+        self.fit(&orders, &places, world.method.shape, &mut world.grid);
+        self.orders = orders;
+        let walls = (!total).then_some(&world.domain);
+        tiles.frames.clear();
+        tiles.frames.extend(world.grid.lattices.iter().map(|lattice| Frame::new(lattice, walls)));
+        world.grid.gather_groups(&world.groups);
     }
 
     /// Finds the order and the tiles.
-    fn order(&mut self, domain: &Domain, particles: &Particles, tiles: &mut Tiles) {
-        let order = Order::new(domain);
-        let cells = domain.cells();
+    fn order(
+        &mut self,
+        orders: &[Order],
+        lattices: &[Lattice],
+        places: &Places<'_>,
+        tiles: &mut Tiles,
+    ) {
+        let particles = places.particles;
         tiles.parallel = particles.len() >= SMALLEST_PARALLEL && rayon::current_num_threads() > 1;
         let key = |from: usize| {
-            let (x, dx) = (particles.position[from], particles.displacement[from]);
-            let cell = cell_of(domain, cells, std::array::from_fn(|axis| x[axis] + dx[axis]));
+            let lattice = places.lattice(from);
+            let order = &orders[lattice];
+            let cell = order.cell_of(&lattices[lattice].cells, places.after(from));
             let (colour, tile) = order.tile(cell);
             Key {
-                tile: (colour as u64) << 62 | (tile as u64) << 16 | particles.solid[from] as u64,
-                cell: order.within(cell) as u32,
+                group: (colour as u32) << 16 | lattice as u32,
+                tile: (tile as u64) << 16 | particles.solid[from] as u64,
+                within: order.within(cell) as u32,
                 id: particles.id[from],
                 from: from as u32,
             }
@@ -86,11 +126,14 @@ impl Sorter {
             self.keys.sort_unstable(); // in place; ids make every key unique
         }
         tiles.ranges.clear();
+        tiles.lattices.clear();
         tiles.colours = [0; COLOURS + 1];
         let mut start = 0;
-        for tile in self.keys.chunk_by(|a, b| a.tile >> 16 == b.tile >> 16) {
+        let same = |a: &Key, b: &Key| a.group == b.group && a.tile >> 16 == b.tile >> 16;
+        for tile in self.keys.chunk_by(same) {
             tiles.ranges.push(start..start + tile.len());
-            tiles.colours[(tile[0].tile >> 62) as usize + 1] += 1;
+            tiles.lattices.push(tile[0].group as u16);
+            tiles.colours[(tile[0].group >> 16) as usize + 1] += 1;
             start += tile.len();
         }
         for colour in 0..COLOURS {
@@ -98,177 +141,274 @@ impl Sorter {
         }
         tiles.reports.clear();
         tiles.reports.resize(tiles.ranges.len(), Report::default());
+        tiles.by_lattice.clear();
+        tiles.by_lattice.resize(lattices.len(), Report::default());
     }
 
     /// Brings every column into the new order.
-    fn permute(&mut self, particles: &mut Particles) {
+    fn permute(&mut self, particles: &mut Particles, parallel: bool) {
         let keys = &self.keys;
         if keys.iter().enumerate().all(|(place, key)| key.from as usize == place) {
             return;
         }
-        for records in
-            [&mut particles.position, &mut particles.velocity, &mut particles.displacement]
-        {
-            permute(records, &mut self.records, keys);
+        for records in particles.records_mut() {
+            permute(records, &mut self.records, keys, parallel);
         }
         for column in particles.columns.iter_mut().filter(|column| !column.is_empty()) {
-            permute(column, &mut self.numbers, keys);
+            permute(column, &mut self.numbers, keys, parallel);
         }
         for words in &mut particles.masks {
-            permute(words, &mut self.words, keys);
+            permute(words, &mut self.words, keys, parallel);
         }
-        permute(&mut particles.id, &mut self.ids, keys);
-        permute(&mut particles.solid, &mut self.solids, keys);
+        permute(&mut particles.id, &mut self.ids, keys, parallel);
+        permute(&mut particles.solid, &mut self.solids, keys, parallel);
     }
 
-    /// Fits the window and its active runs to the cells of x and x + dx.
-    fn fit(&mut self, domain: &Domain, particles: &Particles, grid: &mut Grid, parallel: bool) {
-        let cells = domain.cells();
-        let both = |p: usize| {
-            let (x, dx) = (particles.position[p], particles.displacement[p]);
-            let new = std::array::from_fn(|axis| x[axis] + dx[axis]);
-            [cell_of(domain, cells, x), cell_of(domain, cells, new)]
+    /// Cells that hold particles, before and after the movement, by lattice.
+    fn find_bounds(
+        &mut self,
+        orders: &[Order],
+        lattices: &[Lattice],
+        places: &Places<'_>,
+        parallel: bool,
+    ) {
+        let count = places.particles.len();
+        let of = |p: usize| {
+            let lattice = places.lattice(p);
+            let cell = |place| orders[lattice].cell_of(&lattices[lattice].cells, place);
+            let [a, b] = [cell(places.before(p)), cell(places.after(p))];
+            (lattice, joined([a, a], [b, b]))
         };
-        let bounds = bounds(particles.len(), parallel, both);
-        let window = window(domain, bounds);
-        let marks = &mut self.marks;
-        marks[0].clear();
-        marks[0].resize(window.len(), 0);
-        let mut last = [[usize::MAX; 3]; 2];
-        for p in 0..particles.len() {
-            for (cell, last) in both(p).into_iter().zip(&mut last) {
-                if cell != *last {
-                    *last = cell;
-                    let offset = std::array::from_fn(|axis| cell[axis] - window.lower[axis]);
-                    marks[0][index(window.size, offset)] = 1;
-                }
+        self.bounds.clear();
+        self.bounds.resize(lattices.len(), NOTHING);
+        if parallel && lattices.len() == 1 {
+            let add = |bounds, p| joined(bounds, of(p).1);
+            let all = (0..count).into_par_iter().fold(|| NOTHING, add).reduce(|| NOTHING, joined);
+            self.bounds[0] = all;
+        } else {
+            for p in 0..count {
+                let (lattice, bounds) = of(p);
+                self.bounds[lattice] = joined(self.bounds[lattice], bounds);
             }
         }
-        for axis in 0..domain.dimension {
-            let [from, to] = marks;
-            to.clear();
-            to.resize(window.len(), 0);
-            dilate(window.size, axis, from, to);
-            marks.swap(0, 1);
-        }
-        self.keep_values(grid, window);
-        find_runs(grid, &self.marks[0]);
     }
 
-    /// Moves the nodal values of the old window into the new one.
-    fn keep_values(&mut self, grid: &mut Grid, window: Window) {
-        self.nodes.clear();
-        self.nodes.resize(window.len(), Node::default());
-        self.mapped.clear();
-        self.mapped.resize(window.len(), [0.0; 4]);
-        for old in grid.runs.iter().cloned().flatten() {
-            if let Some(new) = window.local(grid.window.node(old)) {
-                self.nodes[new] = grid.nodes[old];
-                self.mapped[new] = grid.mapped[old];
-            }
+    /// Fits the windows and their active runs to the cells of the particles.
+    fn fit(&mut self, orders: &[Order], places: &Places<'_>, shape: ShapeKind, grid: &mut Grid) {
+        std::mem::swap(grid, &mut self.old);
+        grid.keeps = self.old.keeps;
+        grid.mass_cutoff = self.old.mass_cutoff;
+        grid.lattices.clone_from(&self.old.lattices);
+        let movement = if places.total { 0 } else { 1 };
+        let reach = Reach { shape, movement };
+        let mut start = 0;
+        for (lattice, bounds) in grid.lattices.iter_mut().zip(&self.bounds) {
+            lattice.window = reach.window(lattice, bounds, start);
+            start += lattice.window.len();
         }
-        std::mem::swap(&mut grid.nodes, &mut self.nodes);
-        std::mem::swap(&mut grid.mapped, &mut self.mapped);
-        if grid.separate_external {
-            let mut external = vec![[0.0; 4]; window.len()];
-            for old in grid.runs.iter().cloned().flatten() {
-                if let (Some(new), Some(force)) =
-                    (window.local(grid.window.node(old)), grid.external.get(old))
-                {
-                    external[new] = *force;
-                }
+        resize(grid, start);
+        self.keep_values(grid);
+        grid.runs.clear();
+        for number in 0..grid.lattices.len() {
+            let (lattice, bounds) = (&grid.lattices[number], self.bounds[number]);
+            if lattice.window.is_empty() {
+                continue;
             }
-            grid.external = external;
+            let (low, size) = reach.cells(lattice, &bounds);
+            mark_cells(&mut self.marks[0], &orders[number], lattice, places, number, low, size);
+            dilate_all(&mut self.marks, lattice, &reach, low, size);
+            add_runs(&mut grid.runs, &self.marks[0], lattice.window.start);
         }
-        grid.window = window;
+        index_runs(grid);
     }
+
+    /// Moves the nodal values of the old windows into the new ones.
+    fn keep_values(&self, grid: &mut Grid) {
+        let old = &self.old;
+        let mut active = old.runs.iter().cloned().flatten().peekable();
+        for (before, after) in old.lattices.iter().zip(&grid.lattices) {
+            while let Some(from) = active.next_if(|from| *from < before.window.places().end) {
+                let Some(to) = after.window.local(before.window.node(from)) else { continue };
+                grid.nodes[to] = old.nodes[from];
+                grid.mapped[to] = old.mapped[from];
+                copy(&mut grid.external, to, &old.external, from);
+                copy(&mut grid.displaced, to, &old.displaced, from);
+                copy(&mut grid.filtered, to, &old.filtered, from);
+            }
+        }
+    }
+}
+
+fn copy(to: &mut [[f64; 4]], place: usize, from: &[[f64; 4]], old: usize) {
+    if let (Some(to), Some(from)) = (to.get_mut(place), from.get(old)) {
+        *to = *from;
+    }
+}
+
+/// Arrays of so many nodes, all zero.
+fn resize(grid: &mut Grid, count: usize) {
+    fn zeros<T: Copy + Default>(array: &mut Vec<T>, count: usize) {
+        array.clear();
+        array.resize(count, T::default());
+    }
+    let Keeps { external, displaced, filtered, dilation } = grid.keeps;
+    zeros::<Node>(&mut grid.nodes, count);
+    zeros(&mut grid.mapped, count);
+    zeros(&mut grid.external, if external { count } else { 0 });
+    zeros(&mut grid.displaced, if displaced { count } else { 0 });
+    zeros(&mut grid.filtered, if filtered { count } else { 0 });
+    zeros(&mut grid.dilation, if dilation { count } else { 0 });
 }
 
 /// column[place] <- column[keys[place].from], through a spare column.
-fn permute<T: Copy + Default + Send + Sync>(column: &mut Vec<T>, spare: &mut Vec<T>, keys: &[Key]) {
-    spare.clear();
-    spare.extend(keys.iter().map(|key| column[key.from as usize]));
+fn permute<T: Copy + Default + Send + Sync>(
+    column: &mut Vec<T>,
+    spare: &mut Vec<T>,
+    keys: &[Key],
+    parallel: bool,
+) {
+    if parallel {
+        keys.par_iter().map(|key| column[key.from as usize]).collect_into_vec(spare);
+    } else {
+        spare.clear();
+        spare.extend(keys.iter().map(|key| column[key.from as usize]));
+    }
     std::mem::swap(column, spare);
 }
 
-/// Smallest and largest cell per axis.
-fn bounds(
-    count: usize,
-    parallel: bool,
-    cells: impl Fn(usize) -> [[usize; 3]; 2] + Sync,
-) -> [[usize; 3]; 2] {
-    let start = || [[usize::MAX; 3], [0; 3]];
-    let join = |[low, high]: [[usize; 3]; 2], [l, h]: [[usize; 3]; 2]| {
-        [std::array::from_fn(|a| low[a].min(l[a])), std::array::from_fn(|a| high[a].max(h[a]))]
-    };
-    let add = |limits, p| cells(p).into_iter().fold(limits, |limits, c| join(limits, [c, c]));
-    if parallel {
-        (0..count).into_par_iter().fold(start, add).reduce(start, join)
-    } else {
-        (0..count).fold(start(), add)
-    }
+/// Which nodes particles can reach before the next sort.
+struct Reach {
+    shape: ShapeKind,
+    movement: usize,
 }
 
-/// The window of nodes that particles in these cells can reach before the next sort.
-fn window(domain: &Domain, [low, high]: [[usize; 3]; 2]) -> Window {
-    let nodes = domain.nodes();
-    let mut window = Window::default();
-    for axis in 0..3 {
-        if axis < domain.dimension {
-            let lower = low[axis].min(high[axis]).saturating_sub(MOVEMENT + REACH[0]);
-            let upper = (high[axis] + MOVEMENT + REACH[1]).min(nodes[axis] - 1);
-            window.lower[axis] = lower;
-            window.size[axis] = upper + 1 - lower;
-        } else {
-            window.size[axis] = 1;
-        }
+impl Reach {
+    /// First and last node that the particles of a range of cells can reach on an axis.
+    fn nodes(&self, cells: [usize; 2], count: usize) -> [usize; 2] {
+        let last = count * self.shape.nodes_per_cell();
+        let low = cells[0].saturating_sub(self.movement);
+        let high = (cells[1] + self.movement).min(count - 1);
+        [self.shape.reach(low, last)[0], self.shape.reach(high, last)[1]]
     }
-    window
+
+    /// The window of nodes that particles in these cells can reach.
+    fn window(&self, lattice: &Lattice, [low, high]: &Bounds, start: usize) -> Window {
+        let mut window = Window { start, ..Window::default() };
+        if low[0] > high[0] {
+            return window;
+        }
+        let counts = lattice.cells.cells();
+        for axis in 0..3 {
+            if axis < lattice.cells.dimension {
+                let [first, last] = self.nodes([low[axis], high[axis]], counts[axis]);
+                window.lower[axis] = first;
+                window.size[axis] = last + 1 - first;
+            } else {
+                window.size[axis] = 1;
+            }
+        }
+        window
+    }
+
+    /// First cell and number of cells per axis.
+    fn cells(&self, lattice: &Lattice, [low, high]: &Bounds) -> ([usize; 3], [usize; 3]) {
+        let dimension = lattice.cells.dimension;
+        let size = |axis| if axis < dimension { high[axis] + 1 - low[axis] } else { 1 };
+        let first = |axis| if axis < dimension { low[axis] } else { 0 };
+        (std::array::from_fn(first), std::array::from_fn(size))
+    }
 }
 
 fn index(size: [usize; 3], offset: [usize; 3]) -> usize {
     (offset[0] * size[1] + offset[1]) * size[2] + offset[2]
 }
 
-/// Marks every node that a marked cell reaches along one axis.
-fn dilate(size: [usize; 3], axis: usize, from: &[u8], to: &mut [u8]) {
-    let stride: usize = size[axis + 1..].iter().product();
-    let below = MOVEMENT + REACH[0];
-    let above = MOVEMENT + REACH[1];
-    for (outer, line) in from.chunks(stride * size[axis]).enumerate() {
-        let start = outer * stride * size[axis];
-        for (place, _) in line.iter().enumerate().filter(|(_, mark)| **mark != 0) {
-            let (along, inner) = (place / stride, place % stride);
-            let first = along.saturating_sub(below);
-            let last = (along + above).min(size[axis] - 1);
-            for node in first..=last {
-                to[start + node * stride + inner] = 1;
+/// Marks the cells of a lattice that hold particles.
+fn mark_cells(
+    marks: &mut Vec<u8>,
+    order: &Order,
+    lattice: &Lattice,
+    places: &Places<'_>,
+    number: usize,
+    low: [usize; 3],
+    size: [usize; 3],
+) {
+    marks.clear();
+    marks.resize(size.iter().product(), 0);
+    let mut last = [[usize::MAX; 3]; 2];
+    for p in 0..places.particles.len() {
+        if places.lattice(p) != number {
+            continue;
+        }
+        for (place, last) in [places.before(p), places.after(p)].into_iter().zip(&mut last) {
+            let cell = order.cell_of(&lattice.cells, place);
+            if cell != *last {
+                *last = cell;
+                marks[index(size, std::array::from_fn(|axis| cell[axis] - low[axis]))] = 1;
             }
         }
     }
 }
 
-/// Lists the runs of marked nodes, cut at the borders of blocks.
-fn find_runs(grid: &mut Grid, marks: &[u8]) {
+/// Turns marks of cells into marks of the nodes they reach, one axis after the other.
+fn dilate_all(
+    marks: &mut [Vec<u8>; 2],
+    lattice: &Lattice,
+    reach: &Reach,
+    low: [usize; 3],
+    mut size: [usize; 3],
+) {
+    let counts = lattice.cells.cells();
+    for axis in 0..lattice.cells.dimension {
+        let nodes = lattice.window.size[axis];
+        let stride: usize = size[axis + 1..].iter().product();
+        let [from, to] = marks;
+        to.clear();
+        to.resize(from.len() / size[axis] * nodes, 0);
+        for (outer, line) in from.chunks(stride * size[axis]).enumerate() {
+            for (place, _) in line.iter().enumerate().filter(|(_, mark)| **mark != 0) {
+                let (along, inner) = (place / stride, place % stride);
+                let cell = low[axis] + along;
+                let [first, last] = reach.nodes([cell, cell], counts[axis]);
+                for node in first..=last {
+                    let local = node - lattice.window.lower[axis];
+                    to[(outer * nodes + local) * stride + inner] = 1;
+                }
+            }
+        }
+        size[axis] = nodes;
+        marks.swap(0, 1);
+    }
+}
+
+/// Lists the runs of marked nodes of a window, cut at the borders of blocks.
+fn add_runs(runs: &mut Vec<std::ops::Range<usize>>, marks: &[u8], window: usize) {
     use super::grid::BLOCK;
-    grid.runs.clear();
+    let mut node = 0;
+    while node < marks.len() {
+        if marks[node] == 0 {
+            node += 1;
+            continue;
+        }
+        let start = node;
+        let border = ((window + start) / BLOCK + 1) * BLOCK - window;
+        while node < marks.len().min(border) && marks[node] != 0 {
+            node += 1;
+        }
+        runs.push(window + start..window + node);
+    }
+}
+
+/// Finds the first run of each block.
+fn index_runs(grid: &mut Grid) {
+    use super::grid::BLOCK;
     grid.first_run.clear();
-    let count = grid.nodes.len();
-    for block in (0..count).step_by(BLOCK) {
-        grid.first_run.push(grid.runs.len());
-        let end = count.min(block + BLOCK);
-        let mut node = block;
-        while node < end {
-            if marks[node] == 0 {
-                node += 1;
-                continue;
-            }
-            let start = node;
-            while node < end && marks[node] != 0 {
-                node += 1;
-            }
-            grid.runs.push(start..node);
+    let mut run = 0;
+    for block in (0..grid.nodes.len()).step_by(BLOCK) {
+        grid.first_run.push(run);
+        while grid.runs.get(run).is_some_and(|run| run.start < block + BLOCK) {
+            run += 1;
         }
     }
-    grid.first_run.push(grid.runs.len());
+    grid.first_run.push(run);
 }

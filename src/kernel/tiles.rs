@@ -1,18 +1,24 @@
 //! Tiles: columns of cells whose particles lie together in memory.
 //!
 //! Tiles are coloured 2 x 2. Between two sorts a particle moves by at most one cell, so with
-//! [`SIDE`] cells per side, tiles of one colour never touch the same node: they run in parallel,
-//! colours one after another.
+//! enough cells per side, tiles of one colour never touch the same node: they run in parallel,
+//! colours one after another. Tiles of different lattices share no node at all.
 
+use super::stencil::Frame;
 use crate::model::domain::Domain;
+use crate::shape::ShapeKind;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Cells along a side of a tile. Nodes touched: `SIDE` cells, one cell of movement on either
-/// side, one more node; the next tile of the same colour begins 2 `SIDE` cells further.
-pub const SIDE: usize = 4;
-
-const _: () = assert!(SIDE + 2 < 2 * SIDE - 1);
+/// Cells along a side of a tile.
+///
+/// A tile of `side` cells touches nodes from `side + 2` cells (one cell of movement on either side)
+/// and those that the shape reaches beyond them: one node above for hats; one below and two above
+/// for splines, one more in the cells at the ends of the lattice. The next tile of the same colour
+/// begins 2 `side` cells further, so hats need 4 cells and splines 6.
+pub fn side(shape: ShapeKind) -> usize {
+    if shape.is_spline() { 6 } else { 4 }
+}
 
 /// Number of colours.
 pub const COLOURS: usize = 4;
@@ -21,7 +27,7 @@ pub const COLOURS: usize = 4;
 pub const SMALLEST_PARALLEL: usize = 5000;
 
 /// What a tile found out during a sweep.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Report {
     /// Largest component of dx \[L\].
     pub farthest: f64,
@@ -29,12 +35,28 @@ pub struct Report {
     pub watch: f64,
     /// Largest c_p + max_i |v_i| \[L/T\].
     pub fastest: f64,
+    /// Smallest squared singular value of F, at most 1 (total Lagrangian methods; otherwise 1).
+    pub thinnest: f64,
     /// Largest squared Frobenius norm of L \[1/T^2\].
     pub rate: f64,
     /// Place in the table of the first particle whose law failed.
     pub failed: Option<usize>,
     /// Place in the table of the first particle outside the box.
     pub escaped: Option<usize>,
+}
+
+impl Default for Report {
+    fn default() -> Self {
+        Self {
+            farthest: 0.0,
+            watch: 0.0,
+            fastest: 0.0,
+            thinnest: 1.0,
+            rate: 0.0,
+            failed: None,
+            escaped: None,
+        }
+    }
 }
 
 impl Report {
@@ -44,6 +66,7 @@ impl Report {
             farthest: self.farthest.max(other.farthest),
             watch: self.watch + other.watch,
             fastest: self.fastest.max(other.fastest),
+            thinnest: self.thinnest.min(other.thinnest),
             rate: self.rate.max(other.rate),
             failed: self.failed.or(other.failed),
             escaped: self.escaped.or(other.escaped),
@@ -51,61 +74,126 @@ impl Report {
     }
 }
 
+/// The particles of one tile and the frame of their lattice.
+pub struct Tile<'a> {
+    /// Places in the table.
+    pub range: Range<usize>,
+    /// Where their nodes are.
+    pub frame: &'a Frame,
+}
+
 /// The tiles that hold particles.
 #[derive(Clone, Debug, Default)]
 pub struct Tiles {
     /// Particles of each tile, tiles by colour.
     pub ranges: Vec<Range<usize>>,
+    /// Number of the lattice of each tile.
+    pub lattices: Vec<u16>,
     /// First tile of each colour, and one past the last tile.
     pub colours: [usize; COLOURS + 1],
+    /// The frame of each lattice.
+    pub frames: Vec<Frame>,
     /// What each tile found out during the last sweep.
     pub reports: Vec<Report>,
+    /// The same, by lattice.
+    pub by_lattice: Vec<Report>,
     /// Sweeps run on several threads.
     pub parallel: bool,
 }
 
 impl Tiles {
     /// Does the work for every tile; gives all reports in one.
-    pub fn sweep(&mut self, work: impl Fn(Range<usize>, &mut Report) + Sync) -> Report {
+    pub fn sweep(&mut self, work: impl Fn(Tile<'_>, &mut Report) + Sync) -> Report {
         for colour in self.colours.windows(2) {
-            let ranges = &self.ranges[colour[0]..colour[1]];
-            let reports = &mut self.reports[colour[0]..colour[1]];
-            let each = |(range, report): (&Range<usize>, &mut Report)| {
+            let tiles = colour[0]..colour[1];
+            let ranges = &self.ranges[tiles.clone()];
+            let lattices = &self.lattices[tiles.clone()];
+            let reports = &mut self.reports[tiles];
+            let frames = &self.frames;
+            let each = |((range, lattice), report): ((&Range<usize>, &u16), &mut Report)| {
                 *report = Report::default();
-                work(range.clone(), report);
+                work(Tile { range: range.clone(), frame: &frames[*lattice as usize] }, report);
             };
             if self.parallel {
-                ranges.par_iter().zip(reports).for_each(each);
+                ranges.par_iter().zip(lattices).zip(reports).for_each(each);
             } else {
-                ranges.iter().zip(reports).for_each(each);
+                ranges.iter().zip(lattices).zip(reports).for_each(each);
             }
         }
-        self.reports.iter().fold(Report::default(), Report::join)
+        self.by_lattice.fill(Report::default());
+        for (report, lattice) in self.reports.iter().zip(&self.lattices) {
+            let sum = &mut self.by_lattice[*lattice as usize];
+            *sum = sum.join(report);
+        }
+        self.by_lattice.iter().fold(Report::default(), Report::join)
     }
 }
 
 /// Order of a cell: by colour, tile, then cell with the last axis fastest.
 #[derive(Clone, Copy, Debug)]
 pub struct Order {
+    side: usize,
     tiles_across: usize,
     cells: [usize; 3],
 }
 
 impl Order {
     /// The order of the cells of a box.
-    pub fn new(domain: &Domain) -> Self {
-        let cells = domain.cells();
-        Self { tiles_across: cells[1].div_ceil(SIDE), cells }
+    pub fn new(domain: &Domain, shape: ShapeKind) -> Self {
+        let (cells, side) = (domain.cells(), side(shape));
+        Self { side, tiles_across: cells[1].div_ceil(side), cells }
     }
 
     /// Colour and number of the tile of a cell.
     pub fn tile(&self, cell: [usize; 3]) -> (usize, usize) {
-        let (x, y) = (cell[0] / SIDE, cell[1] / SIDE);
+        let (x, y) = (cell[0] / self.side, cell[1] / self.side);
         (x % 2 * 2 + y % 2, x * self.tiles_across + y)
     }
 
     /// Number of the cell within its tile.
     pub fn within(&self, cell: [usize; 3]) -> usize {
-        ((cell[0] % SIDE) * SIDE + cell[1] % SIDE) * self.cells[2] + cell[2]
+        let side = self.side;
+        ((cell[0] % side) * side + cell[1] % side) * self.cells[2] + cell[2]
+    }
+
+    /// The cell of a place, the last cell for places on the upper border.
+    #[inline]
+    pub fn cell_of(&self, domain: &Domain, place: [f64; 4]) -> [usize; 3] {
+        std::array::from_fn(|axis| {
+            if axis >= domain.dimension {
+                return 0;
+            }
+            let r = (place[axis] - domain.lower[axis]) * (1.0 / domain.cell);
+            (r as usize).min(self.cells[axis] - 1)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::SHAPES;
+
+    #[test]
+    fn tiles_of_one_colour_share_no_node_after_a_cell_of_movement() {
+        for shape in SHAPES.iter().filter_map(|style| style.build) {
+            let side = side(shape);
+            for cells in 1..6 * side {
+                let last = cells * shape.nodes_per_cell();
+                if last + 1 < shape.fewest_nodes() {
+                    continue;
+                }
+                let touched = |tile: usize| {
+                    let low = (tile * side).saturating_sub(1);
+                    let high = ((tile + 1) * side).min(cells - 1);
+                    [shape.reach(low, last)[0], shape.reach(high, last)[1]]
+                };
+                let tiles = cells.div_ceil(side);
+                for tile in 2..tiles {
+                    let (before, here) = (touched(tile - 2)[1], touched(tile)[0]);
+                    assert!(before < here, "{shape:?}, {cells} cells: {before} and {here}");
+                }
+            }
+        }
     }
 }

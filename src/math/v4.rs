@@ -30,6 +30,10 @@ pub trait Wide:
     fn absolute(self) -> Self;
     /// The first three lanes of self, the last one of `other`.
     fn with_last(self, other: Self) -> Self;
+    /// Lane by lane: `then` where self < bound, `otherwise` elsewhere.
+    fn below(self, bound: Self, then: Self, otherwise: Self) -> Self;
+    /// Lane `k` of each of the four in place of the k-th.
+    fn transpose(rows: [Self; 4]) -> [Self; 4];
     /// Do the first three lanes all lie in lower..=upper? False if one is not a number.
     fn inside(self, lower: Self, upper: Self) -> bool;
     /// The four numbers.
@@ -146,6 +150,18 @@ impl Wide for Plain {
         Self([self.0[0], self.0[1], self.0[2], other.0[3]])
     }
     #[inline(always)]
+    fn below(self, bound: Self, then: Self, otherwise: Self) -> Self {
+        let pick = |lane| match self.0[lane] < bound.0[lane] {
+            true => then.0[lane],
+            false => otherwise.0[lane],
+        };
+        Self(std::array::from_fn(pick))
+    }
+    #[inline(always)]
+    fn transpose(rows: [Self; 4]) -> [Self; 4] {
+        std::array::from_fn(|k| Self(rows.map(|row| row.0[k])))
+    }
+    #[inline(always)]
     fn inside(self, lower: Self, upper: Self) -> bool {
         (0..3).all(|lane| self.0[lane] >= lower.0[lane] && self.0[lane] <= upper.0[lane])
     }
@@ -221,6 +237,28 @@ mod avx2 {
         #[inline(always)]
         fn with_last(self, other: Self) -> Self {
             unsafe { Self(_mm256_blend_pd::<0b1000>(self.0, other.0)) }
+        }
+        #[inline(always)]
+        fn below(self, bound: Self, then: Self, otherwise: Self) -> Self {
+            unsafe {
+                let mask = _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, bound.0);
+                Self(_mm256_blendv_pd(otherwise.0, then.0, mask))
+            }
+        }
+        #[inline(always)]
+        fn transpose([a, b, c, d]: [Self; 4]) -> [Self; 4] {
+            unsafe {
+                let (even_ab, odd_ab) =
+                    (_mm256_unpacklo_pd(a.0, b.0), _mm256_unpackhi_pd(a.0, b.0));
+                let (even_cd, odd_cd) =
+                    (_mm256_unpacklo_pd(c.0, d.0), _mm256_unpackhi_pd(c.0, d.0));
+                [
+                    Self(_mm256_permute2f128_pd::<0x20>(even_ab, even_cd)),
+                    Self(_mm256_permute2f128_pd::<0x20>(odd_ab, odd_cd)),
+                    Self(_mm256_permute2f128_pd::<0x31>(even_ab, even_cd)),
+                    Self(_mm256_permute2f128_pd::<0x31>(odd_ab, odd_cd)),
+                ]
+            }
         }
         #[inline(always)]
         fn inside(self, lower: Self, upper: Self) -> bool {
@@ -301,6 +339,26 @@ mod neon {
             unsafe { Self(self.0, vcopyq_laneq_f64::<1, 1>(self.1, other.1)) }
         }
         #[inline(always)]
+        fn below(self, bound: Self, then: Self, otherwise: Self) -> Self {
+            unsafe {
+                Self(
+                    vbslq_f64(vcltq_f64(self.0, bound.0), then.0, otherwise.0),
+                    vbslq_f64(vcltq_f64(self.1, bound.1), then.1, otherwise.1),
+                )
+            }
+        }
+        #[inline(always)]
+        fn transpose([a, b, c, d]: [Self; 4]) -> [Self; 4] {
+            unsafe {
+                [
+                    Self(vzip1q_f64(a.0, b.0), vzip1q_f64(c.0, d.0)),
+                    Self(vzip2q_f64(a.0, b.0), vzip2q_f64(c.0, d.0)),
+                    Self(vzip1q_f64(a.1, b.1), vzip1q_f64(c.1, d.1)),
+                    Self(vzip2q_f64(a.1, b.1), vzip2q_f64(c.1, d.1)),
+                ]
+            }
+        }
+        #[inline(always)]
         fn inside(self, lower: Self, upper: Self) -> bool {
             let (x, low, high) = (self.array(), lower.array(), upper.array());
             (0..3).all(|lane| x[lane] >= low[lane] && x[lane] <= high[lane])
@@ -331,6 +389,8 @@ mod tests {
                     V::load(&[1.5, -1.5, 2.0, -0.5]).floor(),
                 ])
                 .chain([a.absolute(), a.with_last(b), V::splat(inside), V::splat(outside)])
+                .chain([a.below(b, V::splat(7.0), a * a)])
+                .chain(V::transpose([a, b, lower, a + a]))
                 .map(V::array)
                 .collect()
         }
@@ -352,6 +412,11 @@ mod tests {
             [1.0, -2.0, 3.0, 0.5],
             [1.0; 4],
             [0.0; 4],
+            [7.0, 7.0, 9.0, 7.0],
+            [1.0, 4.0, -2.0, 2.0],
+            [-2.0, 3.0, -2.0, -4.0],
+            [3.0, -2.0, -2.0, 6.0],
+            [-4.0, 0.5, -2.0, -8.0],
         ];
         assert_eq!(Everything.run::<Plain>(), expected);
         assert_eq!(dispatch(Everything), expected);

@@ -197,9 +197,24 @@ impl ColumnSet {
         ColumnSet(self.0 | other.0)
     }
 
+    /// The columns of this set that are not in the other.
+    pub fn without(self, other: ColumnSet) -> ColumnSet {
+        ColumnSet(self.0 & !other.0)
+    }
+
+    /// The columns of both sets.
+    pub fn common(self, other: ColumnSet) -> ColumnSet {
+        ColumnSet(self.0 & other.0)
+    }
+
     /// The columns of the set, in the order of the table.
     pub fn iter(self) -> impl Iterator<Item = Column> {
-        Column::ALL.into_iter().filter(move |column| self.contains(*column))
+        let mut left = self.0;
+        std::iter::from_fn(move || {
+            let column = Column::ALL.get(left.trailing_zeros() as usize)?;
+            left &= left - 1;
+            Some(*column)
+        })
     }
 }
 

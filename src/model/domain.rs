@@ -14,6 +14,14 @@ pub struct Domain {
 }
 
 impl Domain {
+    /// Cells of another size between other limits.
+    pub fn of_limits(&self, lower: [f64; 3], upper: [f64; 3], cell: f64) -> Self {
+        let corner = |limits: [f64; 3]| {
+            std::array::from_fn(|axis| if axis < self.dimension { limits[axis] } else { 0.0 })
+        };
+        Self { lower: corner(lower), upper: corner(upper), cell, ..*self }
+    }
+
     /// Cells per axis: ceil(L/h - 1e-6), so the last one may pass the box; 1 beyond the dimension.
     pub fn cells(&self) -> [usize; 3] {
         std::array::from_fn(|axis| {
@@ -22,23 +30,6 @@ impl Domain {
             }
             let length = self.upper[axis] - self.lower[axis];
             ((length / self.cell - 1e-6).ceil() as usize).max(1)
-        })
-    }
-
-    /// Nodes per axis; 1 beyond the dimension.
-    pub fn nodes(&self) -> [usize; 3] {
-        let cells = self.cells();
-        std::array::from_fn(|axis| if axis < self.dimension { cells[axis] + 1 } else { 1 })
-    }
-
-    /// Place of a node \[L\].
-    pub fn node(&self, index: [usize; 3]) -> [f64; 3] {
-        std::array::from_fn(|axis| {
-            if axis < self.dimension {
-                self.lower[axis] + index[axis] as f64 * self.cell
-            } else {
-                0.0
-            }
         })
     }
 

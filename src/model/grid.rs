@@ -1,11 +1,12 @@
-//! The background grid: a dense window of nodes around the bodies.
+//! The background grid: dense windows of nodes around the bodies.
 //!
-//! The nodes of the whole box are numbered (i ny + j) nz + k with z fastest. Only a window of
-//! them around the bodies is in memory, and only its active runs (nodes a particle can reach
-//! before the next re-fit) are ever touched, so that cost follows the matter and not the box.
+//! Updated Lagrangian methods have one lattice for all bodies, total Lagrangian ones a lattice for
+//! each. Only a window of each lattice is in memory, one behind the other, and only its active runs
+//! (nodes a particle can reach before the next re-fit) are ever touched, so that cost follows the
+//! matter and not the box.
 
-use super::domain::Domain;
 use super::group::{GroupId, Groups, Members};
+use super::lattice::Lattice;
 use std::ops::Range;
 
 /// A node during the first half of a step.
@@ -18,60 +19,25 @@ pub struct Node {
     pub change: [f64; 4],
 }
 
-/// Window of nodes in memory.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Window {
-    /// Index of its first node in the whole grid.
-    pub lower: [usize; 3],
-    /// Nodes per axis.
-    pub size: [usize; 3],
-}
-
-impl Window {
-    /// Number of nodes.
-    pub fn len(&self) -> usize {
-        self.size.iter().product()
-    }
-
-    /// Is there no node?
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Place in memory of a node of the whole grid, if the window holds it.
-    pub fn local(&self, node: [usize; 3]) -> Option<usize> {
-        let mut local = 0;
-        for axis in 0..3 {
-            let offset = node[axis].checked_sub(self.lower[axis])?;
-            if offset >= self.size[axis] {
-                return None;
-            }
-            local = local * self.size[axis] + offset;
-        }
-        Some(local)
-    }
-
-    /// The node of the whole grid at a place in memory.
-    pub fn node(&self, local: usize) -> [usize; 3] {
-        let [_, ny, nz] = self.size;
-        let node = [local / (ny * nz), local / nz % ny, local % nz];
-        std::array::from_fn(|axis| node[axis] + self.lower[axis])
-    }
-}
-
 /// The nodes around the bodies.
 #[derive(Clone, Default)]
 pub struct Grid {
-    /// Which nodes are in memory.
-    pub window: Window,
+    /// The lattices, in the order of their windows in memory.
+    pub lattices: Vec<Lattice>,
     /// First half of a step: momentum, mass, force; v*, v* - v.
     pub nodes: Vec<Node>,
     /// Second mapping: momentum, then velocity.
     pub mapped: Vec<[f64; 4]>,
     /// External forces mb \[M L/T^2\]; empty unless the scene reports them.
     pub external: Vec<[f64; 4]>,
-    /// The scene reports external forces.
-    pub separate_external: bool,
+    /// Displacement of the nodes \[L\]; empty unless something reads places of moving nodes.
+    pub displaced: Vec<[f64; 4]>,
+    /// XPIC: the filtered velocity less v; empty for other transfers.
+    pub filtered: Vec<[f64; 4]>,
+    /// F-bar: m tr L of the particles, then the average of tr L; empty otherwise.
+    pub dilation: Vec<f64>,
+    /// Optional arrays that the scene needs.
+    pub keeps: Keeps,
     /// Runs of active nodes in memory, ascending.
     pub runs: Vec<Range<usize>>,
     /// First run of each block of nodes, and one past the last run.
@@ -82,42 +48,98 @@ pub struct Grid {
     pub mass_cutoff: f64,
 }
 
+/// Which optional arrays a grid has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Keeps {
+    /// External forces apart from internal ones.
+    pub external: bool,
+    /// Displacements of nodes.
+    pub displaced: bool,
+    /// Filtered velocities.
+    pub filtered: bool,
+    /// Averages of tr L.
+    pub dilation: bool,
+}
+
 impl Grid {
     /// Active nodes of a group, as places in memory.
     pub fn of_group(&self, group: GroupId) -> &[u32] {
         self.members.get(group.0).map_or(&[], Vec::as_slice)
     }
 
+    /// Nodes in memory.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Is no node in memory?
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// Where nodes are.
+    pub fn places(&self) -> Places<'_> {
+        Places { lattices: &self.lattices, displaced: &self.displaced }
+    }
+
     /// Finds the active nodes of every node group again.
-    pub fn gather_groups(&mut self, domain: &Domain, groups: &Groups) {
+    pub fn gather_groups(&mut self, groups: &Groups) {
         self.members.resize(groups.0.len(), Vec::new());
         for (list, group) in self.members.iter_mut().zip(&groups.0) {
             list.clear();
-            let regions = match &group.members {
-                Members::All => &[][..],
-                Members::Nodes { regions } => regions,
-                Members::Particles { .. } => continue,
-            };
-            let all = matches!(group.members, Members::All);
-            for local in self.runs.iter().cloned().flatten() {
-                let place = domain.node(self.window.node(local));
-                if all || regions.iter().any(|region| region.contains(place)) {
-                    list.push(local as u32);
+            if matches!(group.members, Members::Particles { .. }) {
+                continue;
+            }
+            let mut active = self.runs.iter().cloned().flatten().peekable();
+            for (number, lattice) in self.lattices.iter().enumerate() {
+                while let Some(place) = active.next_if(|place| *place < lattice.window.places().end)
+                {
+                    let node = lattice.place(lattice.window.node(place));
+                    if group.members.holds_node(number, node) {
+                        list.push(place as u32);
+                    }
                 }
             }
         }
     }
 
-    /// The active nodes of a group and, apart from them, the nodal values.
-    pub fn split(&mut self, group: GroupId) -> (&[u32], Nodal<'_>) {
+    /// The active nodes of a group and, apart from them, the nodal values and places.
+    pub fn split(&mut self, group: GroupId) -> (&[u32], Nodal<'_>, Places<'_>) {
         let members = self.members.get(group.0).map_or(&[][..], Vec::as_slice);
         let nodal = Nodal {
             nodes: &mut self.nodes,
             mapped: &mut self.mapped,
             external: &mut self.external,
+            filtered: &mut self.filtered,
             mass_cutoff: self.mass_cutoff,
         };
-        (members, nodal)
+        let places = Places { lattices: &self.lattices, displaced: &self.displaced };
+        (members, nodal, places)
+    }
+}
+
+/// Where nodes are.
+#[derive(Clone, Copy)]
+pub struct Places<'a> {
+    lattices: &'a [Lattice],
+    displaced: &'a [[f64; 4]],
+}
+
+impl Places<'_> {
+    /// Number of the lattice of a node.
+    pub fn lattice(&self, place: usize) -> usize {
+        self.lattices.partition_point(|lattice| lattice.window.places().end <= place)
+    }
+
+    /// Current and reference position of a node \[L\].
+    pub fn of(&self, place: usize) -> ([f64; 3], [f64; 3]) {
+        let lattice = &self.lattices[self.lattice(place)];
+        let reference = lattice.place(lattice.window.node(place));
+        let current = match self.displaced.get(place) {
+            Some(u) => std::array::from_fn(|axis| reference[axis] + u[axis]),
+            None => reference,
+        };
+        (current, reference)
     }
 }
 
@@ -126,6 +148,7 @@ pub struct Nodal<'a> {
     nodes: &'a mut [Node],
     mapped: &'a mut [[f64; 4]],
     external: &'a mut [[f64; 4]],
+    filtered: &'a mut [[f64; 4]],
     mass_cutoff: f64,
 }
 
@@ -151,6 +174,9 @@ impl Nodal<'_> {
     /// Prescribes one component of the velocity (H3): `start` replaces v, `end` replaces v*.
     /// Returns the v* it had.
     pub fn prescribe(&mut self, node: usize, axis: usize, start: f64, end: f64) -> f64 {
+        if let Some(filtered) = self.filtered.get_mut(node) {
+            filtered[axis] = 0.0;
+        }
         let node = &mut self.nodes[node];
         let free = node.motion[axis];
         node.motion[axis] = end;

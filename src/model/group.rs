@@ -19,8 +19,37 @@ pub enum Members {
     All,
     /// Particles: those with bit `bit` of their mask set.
     Particles { bit: usize },
-    /// Grid nodes whose place lies in any of the regions (a repeated `group` adds one).
-    Nodes { regions: Vec<Arc<dyn Region>> },
+    /// Grid nodes whose place lies in any of the parts (a repeated `group` adds one).
+    Nodes { parts: Vec<NodePart> },
+}
+
+/// Nodes inside a region.
+#[derive(Clone)]
+pub struct NodePart {
+    /// The region, in reference places.
+    pub region: Arc<dyn Region>,
+    /// Lattices that count, by number; `None`: all.
+    pub lattices: Option<Vec<usize>>,
+}
+
+impl NodePart {
+    /// Does a lattice count?
+    pub fn includes(&self, lattice: usize) -> bool {
+        self.lattices.as_ref().is_none_or(|list| list.contains(&lattice))
+    }
+}
+
+impl Members {
+    /// Is a node of a lattice, at its reference place, a member?
+    pub fn holds_node(&self, lattice: usize, place: [f64; 3]) -> bool {
+        match self {
+            Members::All => true,
+            Members::Particles { .. } => false,
+            Members::Nodes { parts } => {
+                parts.iter().any(|part| part.includes(lattice) && part.region.contains(place))
+            }
+        }
+    }
 }
 
 /// A named group.

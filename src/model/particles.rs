@@ -12,6 +12,11 @@ pub struct Particles {
     pub velocity: Vec<[f64; 4]>,
     /// Displacement of the step under way \[L\]; the last entry is unused.
     pub displacement: Vec<[f64; 4]>,
+    /// x0, y0, z0 \[L\] and mass \[M\], in total Lagrangian methods; otherwise empty.
+    pub reference: Vec<[f64; 4]>,
+    /// Columns of the matrix \[1/T\] that P2G reads around a particle (C of affine transfers, L of
+    /// `gradient-enhanced`): as many as dimensions, or all empty.
+    pub matrix: [Vec<[f64; 4]>; 3],
     /// Optional scalar columns, in the order of [`Column`]; an absent one is empty.
     pub columns: Vec<Vec<f64>>,
     /// Global ids from 1.
@@ -20,7 +25,8 @@ pub struct Particles {
     pub solid: Vec<u16>,
     /// Group membership: bit `b` is bit `b % 64` of word column `b / 64`.
     pub masks: Vec<Vec<u64>>,
-    present: ColumnSet,
+    /// The columns that exist.
+    pub present: ColumnSet,
 }
 
 impl Particles {
@@ -39,11 +45,6 @@ impl Particles {
         self.id.is_empty()
     }
 
-    /// The columns that exist.
-    pub fn present(&self) -> ColumnSet {
-        self.present
-    }
-
     /// Adds the columns of `set` that are absent, with their initial values.
     pub fn require(&mut self, set: ColumnSet) {
         for column in set.iter().filter(|column| !self.present.contains(*column)) {
@@ -52,6 +53,39 @@ impl Particles {
         for column in set.iter() {
             self.present.insert(column);
         }
+    }
+
+    /// Adds the records of total Lagrangian methods.
+    pub fn require_reference(&mut self) {
+        let place = |p: usize| {
+            let [x, y, z] = self.reference_place(p);
+            [x, y, z, self.position[p][3]]
+        };
+        if self.reference.len() != self.len() {
+            self.reference = (0..self.len()).map(place).collect();
+        }
+    }
+
+    /// Adds the columns of the matrix around each particle, or removes them.
+    pub fn require_matrix(&mut self, columns: usize) {
+        let count = self.len();
+        for (number, records) in self.matrix.iter_mut().enumerate() {
+            records.resize(if number < columns { count } else { 0 }, [0.0; 4]);
+        }
+    }
+
+    /// All records that exist.
+    pub fn records_mut(&mut self) -> impl Iterator<Item = &mut Vec<[f64; 4]>> {
+        [&mut self.position, &mut self.velocity, &mut self.displacement, &mut self.reference]
+            .into_iter()
+            .chain(&mut self.matrix)
+            .filter(|records| !records.is_empty())
+    }
+
+    /// Reference position of a particle \[L\].
+    pub fn reference_place(&self, particle: usize) -> [f64; 3] {
+        [Column::X0, Column::Y0, Column::Z0]
+            .map(|column| self.column(column).get(particle).copied().unwrap_or(0.0))
     }
 
     /// A column; empty where it is absent.
@@ -132,9 +166,9 @@ impl Particles {
             let mut flags = keep.iter();
             column.retain(|_| flags.next().copied().unwrap_or(true));
         }
-        filter(&mut self.position, keep);
-        filter(&mut self.velocity, keep);
-        filter(&mut self.displacement, keep);
+        for records in self.records_mut() {
+            filter(records, keep);
+        }
         filter(&mut self.id, keep);
         filter(&mut self.solid, keep);
         for column in self.columns.iter_mut().filter(|column| !column.is_empty()) {
@@ -147,7 +181,10 @@ impl Particles {
 
     /// Bytes that one particle takes.
     pub fn bytes_each(&self) -> usize {
-        3 * 32 + 8 * self.present.iter().count() + 4 + 2 + 8 * self.masks.len()
+        let records = 3
+            + usize::from(!self.reference.is_empty())
+            + self.matrix.iter().filter(|r| !r.is_empty()).count();
+        records * 32 + 8 * self.present.iter().count() + 4 + 2 + 8 * self.masks.len()
     }
 }
 

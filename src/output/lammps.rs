@@ -2,7 +2,7 @@
 
 use super::{file, gzip, number};
 use crate::fault::Fault;
-use crate::model::domain::Domain;
+use crate::world::World;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -60,12 +60,22 @@ pub struct Table<'a> {
     pub values: Vec<Values<'a>>,
 }
 
-/// Corners of the box; axes beyond the dimension are one cell thick.
-pub fn corners(domain: &Domain) -> [[f64; 2]; 3] {
-    std::array::from_fn(|axis| match axis < domain.dimension {
+/// Corners of the box; axes beyond the dimension are one cell thick. In total Lagrangian methods
+/// the box grows to hold all points.
+pub fn corners(world: &World, points: impl Iterator<Item = [f64; 3]>) -> [[f64; 2]; 3] {
+    let domain = &world.domain;
+    let mut corners = std::array::from_fn(|axis| match axis < domain.dimension {
         true => [domain.lower[axis], domain.upper[axis]],
         false => [-0.5 * domain.cell, 0.5 * domain.cell],
-    })
+    });
+    if world.method.total {
+        for point in points {
+            for ([low, high], x) in corners.iter_mut().zip(point).take(domain.dimension) {
+                (*low, *high) = (low.min(x), high.max(x));
+            }
+        }
+    }
+    corners
 }
 
 /// Rows that one thread writes at a time.

@@ -4,7 +4,7 @@ use super::lammps::{Format, Series, Table, Values, corners};
 use super::{BuildDump, Dump, DumpTarget, Snapshot};
 use crate::fault::Fault;
 use crate::fix::GroupKind;
-use crate::model::group::{GroupId, Members};
+use crate::model::group::{Group, GroupId};
 use crate::plan::Plan;
 use crate::script::arguments::Args;
 use crate::script::diagnostic::{Code, Diagnostic};
@@ -20,8 +20,9 @@ const FIELDS: [&str; 16] = [
 
 const MANUAL: &str = "\
 Fields: x y z vx vy vz bx by bz mass mask rigid T ntypex ntypey ntypez: mass and velocity as the
-particles give them at the end of the step, b the external force of the step. Every node of the
-box stands in the file once, with id (i ny + j) nz + k + 1; nodes without particles are 0.";
+particles give them at the end of the step, b the external force of the step. Every node stands in
+the file once, with id (i ny + j) nz + k + 1, in total Lagrangian methods solid by solid (type) and
+at its current place; nodes without particles are 0.";
 
 const fn row(name: &'static str, summary: &'static str, build: BuildDump) -> Style<BuildDump> {
     Style { name, usage: "field, ...", summary, manual: MANUAL, build: Some(build) }
@@ -76,42 +77,56 @@ struct GridDump {
 
 impl Dump for GridDump {
     fn needs(&self, plan: &mut Plan, _dimension: usize) {
-        plan.external_force |=
-            self.names.iter().any(|name| ["bx", "by", "bz"].contains(&name.as_str()));
+        let any = |names: [&str; 3]| self.names.iter().any(|name| names.contains(&name.as_str()));
+        plan.external_force |= any(["bx", "by", "bz"]);
+        plan.node_places |= any(["x", "y", "z"]);
     }
 
     fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<PathBuf, Fault> {
         let world = snapshot.world;
         let nodes = all_nodes(world, self.group);
         let order: Vec<u32> = (0..nodes.len() as u32).collect();
-        let [_, ny, nz] = world.domain.nodes();
         let values = self.names.iter().map(|name| values(name, world, &nodes)).collect();
+        let lattices = &world.grid.lattices;
+        let before: Vec<u64> = lattices
+            .iter()
+            .scan(0, |sum, lattice| {
+                let first = *sum;
+                *sum += lattice.count();
+                Some(first)
+            })
+            .collect();
         self.series.write(&Table {
             step: snapshot.step,
             time: snapshot.time,
-            corners: corners(&world.domain),
+            corners: corners(world, nodes.iter().map(|node| place(world, *node))),
             names: &self.names,
             order: &order,
             id: &|place| {
-                let [i, j, k] = nodes[place];
-                ((i * ny + j) * nz + k) as u64 + 1
+                let (lattice, node) = nodes[place];
+                before[lattice] + lattices[lattice].number(node) + 1
             },
-            kind: &|_| 1,
+            kind: &|place| nodes[place].0 as u64 + 1,
             values,
         })
     }
 }
 
+/// Number of a lattice and index of one of its nodes.
+type Numbered = (usize, [usize; 3]);
+
 /// The nodes of a group, by ascending id.
-fn all_nodes(world: &World, group: GroupId) -> Vec<[usize; 3]> {
-    let [nx, ny, nz] = world.domain.nodes();
+fn all_nodes(world: &World, group: GroupId) -> Vec<Numbered> {
+    let members = &world.groups[group].members;
     let mut nodes = Vec::new();
-    for i in 0..nx {
-        for j in 0..ny {
-            for k in 0..nz {
-                let place = world.domain.node([i, j, k]);
-                if belongs(&world.groups[group].members, place) {
-                    nodes.push([i, j, k]);
+    for (number, lattice) in world.grid.lattices.iter().enumerate() {
+        let [nx, ny, nz] = lattice.nodes;
+        for i in 0..nx {
+            for j in 0..ny {
+                for k in 0..nz {
+                    if members.holds_node(number, lattice.place([i, j, k])) {
+                        nodes.push((number, [i, j, k]));
+                    }
                 }
             }
         }
@@ -119,11 +134,12 @@ fn all_nodes(world: &World, group: GroupId) -> Vec<[usize; 3]> {
     nodes
 }
 
-fn belongs(members: &Members, place: [f64; 3]) -> bool {
-    match members {
-        Members::All => true,
-        Members::Nodes { regions } => regions.iter().any(|region| region.contains(place)),
-        Members::Particles { .. } => false,
+/// Current place of a node \[L\].
+fn place(world: &World, (lattice, node): Numbered) -> [f64; 3] {
+    let lattice = &world.grid.lattices[lattice];
+    match lattice.window.local(node) {
+        Some(local) => world.grid.places().of(local).0,
+        None => lattice.place(node),
     }
 }
 
@@ -136,15 +152,15 @@ fn node_type(i: usize, count: usize) -> f64 {
 }
 
 /// The column of a field.
-fn values<'a>(name: &str, world: &'a World, nodes: &[[usize; 3]]) -> Values<'a> {
+fn values<'a>(name: &str, world: &'a World, nodes: &[Numbered]) -> Values<'a> {
     let grid = &world.grid;
-    let each = |value: &dyn Fn([usize; 3]) -> f64| {
+    let each = |value: &dyn Fn(Numbered) -> f64| {
         Values::Made(nodes.iter().map(|node| value(*node)).collect())
     };
-    let active = |node: [usize; 3]| grid.window.local(node);
+    let active = |(lattice, node): Numbered| grid.lattices[lattice].window.local(node);
     let axis = |names: [&str; 3]| names.iter().position(|known| *known == name);
     if let Some(axis) = axis(["x", "y", "z"]) {
-        return each(&|node| world.domain.node(node)[axis]);
+        return each(&|node| place(world, node)[axis]);
     }
     if let Some(axis) = axis(["vx", "vy", "vz"]) {
         return each(&|node| {
@@ -158,18 +174,18 @@ fn values<'a>(name: &str, world: &'a World, nodes: &[[usize; 3]]) -> Values<'a> 
         });
     }
     if let Some(axis) = axis(["ntypex", "ntypey", "ntypez"]) {
-        let count = world.domain.nodes()[axis];
-        return each(&|node| {
+        return each(&|(lattice, node)| {
+            let count = grid.lattices[lattice].nodes[axis];
             if count > 1 { node_type(node[axis], count) } else { 0.0 }
         });
     }
     match name {
         "mass" => each(&|node| active(node).map_or(0.0, |local| grid.nodes[local].motion[3])),
-        "mask" => each(&|node| {
-            let place = world.domain.node(node);
+        "mask" => each(&|(lattice, node)| {
+            let place = grid.lattices[lattice].place(node);
             let groups = world.groups.0.iter().take(MASK_BITS).enumerate();
-            let member = |(bit, group): (usize, &crate::model::group::Group)| {
-                if belongs(&group.members, place) { (1u64 << bit) as f64 } else { 0.0 }
+            let member = |(bit, group): (usize, &Group)| {
+                if group.members.holds_node(lattice, place) { (1u64 << bit) as f64 } else { 0.0 }
             };
             groups.map(member).sum()
         }),

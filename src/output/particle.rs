@@ -4,7 +4,8 @@ use super::lammps::{Format, Series, Table, Values, corners};
 use super::{BuildDump, Dump, DumpTarget, Snapshot};
 use crate::fault::Fault;
 use crate::fix::GroupKind;
-use crate::material::{LANES, Lane};
+use crate::material::state::{STRESS, SYMMETRIC};
+use crate::material::{Lane, NOTHING};
 use crate::math::tensor::{Tensor, rotation};
 use crate::model::column::Column;
 use crate::model::group::GroupId;
@@ -181,7 +182,7 @@ impl Dump for ParticleDump {
         self.series.write(&Table {
             step: snapshot.step,
             time: snapshot.time,
-            corners: corners(&world.domain),
+            corners: corners(world, particles.position.iter().map(|x| [x[0], x[1], x[2]])),
             names: &self.names,
             order: &order,
             id: &|p| u64::from(particles.id[p]),
@@ -196,13 +197,17 @@ fn values(field: Field, world: &World) -> Values<'_> {
     let particles = &world.particles;
     let dimension = world.domain.dimension;
     let made = |each: &dyn Fn(usize) -> f64| Values::Made((0..particles.len()).map(each).collect());
-    let stress = |column: Column, p: usize| particles.column(column).get(p).copied().unwrap_or(0.0);
+    let turned = world.method.total && world.solids.iter().any(|solid| solid.law.is_incremental());
     let jacobian = particles.column(Column::J);
     match field {
         Field::Place(axis) => Values::Record(&particles.position, axis),
         Field::Velocity(axis) => Values::Record(&particles.velocity, axis),
         Field::Mass => Values::Record(&particles.position, 3),
-        Field::Stored(column) if particles.present().contains(column) => {
+        Field::Stored(column) if turned && STRESS.contains(&column) => {
+            let place = STRESS.iter().position(|known| *known == column).unwrap_or(0);
+            made(&|p| world.stress(p)[PLACES[place]])
+        }
+        Field::Stored(column) if particles.present.contains(column) => {
             Values::Slice(particles.column(column))
         }
         Field::Stored(column) => Values::Constant(column.info().initial),
@@ -211,48 +216,55 @@ fn values(field: Field, world: &World) -> Values<'_> {
         Field::Density => {
             made(&|p| particles.position[p][3] / (jacobian[p] * particles.velocity[p][3]))
         }
-        Field::Pressure => made(&|p| {
-            let normal = [Column::S11, Column::S22, Column::S33];
-            -normal.map(|column| stress(column, p)).iter().sum::<f64>() / 3.0
-        }),
+        Field::Pressure => made(&|p| -world.stress(p).trace() / 3.0),
         Field::Equivalent => made(&|p| {
-            let s = |column: Column| stress(column, p);
-            let (a, b, c) = (s(Column::S11), s(Column::S22), s(Column::S33));
-            let shear = [Column::S12, Column::S13, Column::S23].map(|column| s(column).powi(2));
+            let s = world.stress(p);
+            let (a, b, c) = (s[(0, 0)], s[(1, 1)], s[(2, 2)]);
+            let shear = s[(0, 1)].powi(2) + s[(0, 2)].powi(2) + s[(1, 2)].powi(2);
             let normal = (a - b).powi(2) + (b - c).powi(2) + (c - a).powi(2);
-            (0.5 * normal + 3.0 * shear.iter().sum::<f64>()).sqrt()
+            (0.5 * normal + 3.0 * shear).sqrt()
         }),
         Field::Radius => {
             made(&|p| 0.5 * (jacobian[p] * particles.velocity[p][3]).powf(1.0 / dimension as f64))
         }
         Field::Strain(component) => strain(world, component),
         Field::Orientation(entry) => made(&|p| {
-            let turn = Rotation3::from_matrix_unchecked(rotation(&deformation(world, p)));
+            let turn = Rotation3::from_matrix_unchecked(rotation(&world.deformation(p)));
             UnitQuaternion::from_rotation_matrix(&turn).coords[entry]
         }),
         Field::HalfSize(axis) => made(&|p| {
-            let f = deformation(world, p);
+            let f = world.deformation(p);
             let stretch = rotation(&f).transpose() * f;
             let solid = &world.solids[particles.solid[p] as usize];
-            0.5 * world.domain.cell / solid.particles_per_cell as f64 * stretch[(axis, axis)]
+            0.5 * solid.cells.cell / solid.particles_per_cell as f64 * stretch[(axis, axis)]
         }),
     }
 }
 
-fn deformation(world: &World, p: usize) -> Tensor {
-    crate::material::deformation(&world.view(p..p + 1), 0)
-}
-
 fn strain(world: &World, component: usize) -> Values<'_> {
-    let mut lanes: [Lane; 6] = [[0.0; LANES]; 6];
+    let mut lanes: [Lane; 6] = [NOTHING; 6];
     let mut values = Vec::with_capacity(world.particles.len());
-    for (range, solid) in world.chunks() {
-        let count = range.len();
-        solid.law.elastic_strain(&world.view(range), &mut lanes);
-        values.extend_from_slice(&lanes[component][..count]);
-    }
+    let description = world.description();
+    world.each_chunk(|_, solid, state| {
+        let law = &*solid.law;
+        law.elastic_strain(state, &mut lanes);
+        for p in 0..state.len {
+            let value = match description.is_turned_back(law) {
+                false => lanes[component][p / 4][p % 4],
+                true => {
+                    let entry = |index: usize| lanes[SYMMETRIC[index]][p / 4][p % 4];
+                    let stored = Tensor::from_fn(|i, j| entry(3 * i + j));
+                    description.in_space(law, state, p, stored)[PLACES[component]]
+                }
+            };
+            values.push(value);
+        }
+    });
     Values::Made(values)
 }
+
+/// Places of the components 11, 22, 33, 12, 13, 23 in a tensor.
+const PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
 
 #[cfg(test)]
 mod tests {

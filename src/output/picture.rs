@@ -9,6 +9,7 @@ use crate::plan::Plan;
 use crate::script::arguments::Args;
 use crate::script::diagnostic::{Code, Diagnostic};
 use crate::style::Style;
+use crate::world::World;
 use std::path::PathBuf;
 
 /// The row of the table.
@@ -60,7 +61,9 @@ struct Picture {
 }
 
 impl Dump for Picture {
-    fn needs(&self, _plan: &mut Plan, _dimension: usize) {}
+    fn needs(&self, plan: &mut Plan, _dimension: usize) {
+        plan.node_places = true;
+    }
 
     fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<PathBuf, Fault> {
         let path = PathBuf::from(self.pattern.replace('*', &snapshot.step.to_string()));
@@ -106,7 +109,7 @@ fn draw(snapshot: &Snapshot<'_>, width: u32, height: u32) -> Canvas {
     let world = snapshot.world;
     let frame = Frame::new(&world.domain, width, height);
     let mut canvas = Canvas::new(width, height);
-    crosses(&mut canvas, &frame, &world.domain);
+    crosses(&mut canvas, &frame, world);
     for solid in 0..world.solids.len() {
         let of_solid = |p: &usize| world.particles.solid[*p] as usize == solid;
         let place = |p: usize| {
@@ -114,7 +117,8 @@ fn draw(snapshot: &Snapshot<'_>, width: u32, height: u32) -> Canvas {
             frame.pixel(x, y)
         };
         let centres = (0..world.particles.len()).filter(of_solid).map(place).collect();
-        let spacing = world.domain.cell / world.solids[solid].particles_per_cell as f64;
+        let spacing =
+            world.solids[solid].cells.cell / world.solids[solid].particles_per_cell as f64;
         let radius = (0.4 * spacing * frame.scale).clamp(0.5, 20.0) as f32;
         canvas.marks.push(Mark::Dots { centres, radius, colour: Colour::of(solid) });
     }
@@ -124,19 +128,26 @@ fn draw(snapshot: &Snapshot<'_>, width: u32, height: u32) -> Canvas {
     canvas
 }
 
-fn crosses(canvas: &mut Canvas, frame: &Frame, domain: &Domain) {
+fn crosses(canvas: &mut Canvas, frame: &Frame, world: &World) {
     const ARM: f32 = 2.0;
-    let [nx, ny, _] = domain.nodes();
-    if nx.saturating_mul(ny) > MOST_CROSSES {
+    let lattices = &world.grid.lattices;
+    let counts = lattices.iter().map(|lattice| lattice.nodes[0].saturating_mul(lattice.nodes[1]));
+    if counts.fold(0, usize::saturating_add) > MOST_CROSSES {
         return;
     }
-    let mut segments = Vec::with_capacity(2 * nx * ny);
-    for i in 0..nx {
-        for j in 0..ny {
-            let [x, y, _] = domain.node([i, j, 0]);
-            let [x, y] = frame.pixel(x, y);
-            segments.push([[x - ARM, y], [x + ARM, y]]);
-            segments.push([[x, y - ARM], [x, y + ARM]]);
+    let mut segments = Vec::new();
+    for lattice in lattices {
+        for i in 0..lattice.nodes[0] {
+            for j in 0..lattice.nodes[1] {
+                let node = [i, j, lattice.window.lower[2]];
+                let [x, y, _] = match lattice.window.local(node) {
+                    Some(local) => world.grid.places().of(local).0,
+                    None => lattice.place(node),
+                };
+                let [x, y] = frame.pixel(x, y);
+                segments.push([[x - ARM, y], [x + ARM, y]]);
+                segments.push([[x, y - ARM], [x, y + ARM]]);
+            }
         }
     }
     canvas.marks.push(Mark::Lines { segments, width: 0.7, colour: Colour::GREY });

@@ -161,6 +161,11 @@ impl Formula {
         self.any(|operation| matches!(operation, Operation::Reference(_)))
     }
 
+    /// Does it read x, y or z?
+    pub fn reads_current(&self) -> bool {
+        self.any(|operation| matches!(operation, Operation::Current(_)))
+    }
+
     /// Does it read time, dt or timestep?
     pub fn reads_time(&self) -> bool {
         use Operation::{StepNumber, StepSize, Time};

@@ -49,7 +49,7 @@ impl Simulation {
         vec![
             ("particles", format!("{} in {} solids", world.particles.len(), world.solids.len())),
             ("grid", format!("{} cells of {}", grid.join(" x "), world.domain.cell)),
-            ("nodes in memory", world.grid.window.len().to_string()),
+            ("nodes in memory", world.grid.len().to_string()),
             ("mass", format!("{mass:.6e}")),
             ("wave speed", format!("{:.6e}", waves.fold(0.0, f64::max))),
             ("first time step", dt),
@@ -61,7 +61,8 @@ impl Simulation {
     /// Bytes of particles and nodes.
     pub fn bytes(&self) -> usize {
         let world = &self.world;
-        let nodes = world.grid.window.len() * (std::mem::size_of::<Node>() + 32);
+        let each = std::mem::size_of::<Node>() + 32;
+        let nodes = world.grid.len() * each;
         world.particles.len() * world.particles.bytes_each() + nodes
     }
 

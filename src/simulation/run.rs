@@ -3,16 +3,18 @@
 use super::{Simulation, Until};
 use crate::fault::Fault;
 use crate::interrupt;
-use crate::kernel::stress;
+use crate::kernel::points;
 use crate::kernel::tiles::Report;
 use crate::model::column::Column;
+use crate::model::grid::Keeps;
 use crate::output::Snapshot;
 use crate::plan::Plan;
-use crate::scheme::{Hooks, Parts};
+use crate::scheme::{Hooks, Parts, Scatter, SchemeKind};
 use crate::script::formula::{Instant, Slot};
 use crate::step::{Stage, Step};
 use crate::time_step::{self, Limit, TimeStep};
 use crate::timing::Phase;
+use crate::world::World;
 
 /// Nodes lighter than this part of the lightest particle are empty (only against 0/0). It lies
 /// below the cube of the smallest weight: a node near which a particle has a gradient weight must
@@ -48,11 +50,11 @@ impl Simulation {
         let mut previous = None;
         while self.goes_on(&until, &span)? {
             self.choose_step(&span, previous)?;
-            let report = self.step(&hooks)?;
+            self.step(&hooks)?;
             previous = self.next.map(|next| next.dt);
             span.steps += 1;
             self.advance_clock(&span);
-            self.next = self.stable_step(&report);
+            self.next = Some(self.stable_step());
             let last = interrupt::requested() || !self.goes_on(&until, &span)?;
             self.output(last)?;
             if interrupt::requested() {
@@ -67,8 +69,8 @@ impl Simulation {
         let dimension = self.world.domain.dimension;
         let mut plan = Plan { wave_speed: self.fixed_dt.is_none(), ..Plan::default() };
         for solid in &self.world.solids {
-            plan.columns.extend(&[Column::J]);
-            plan.columns = plan.columns.union(solid.law.columns(dimension, self.world.rate));
+            let columns = self.world.description().columns(&*solid.law, dimension);
+            plan.columns = plan.columns.union(columns);
         }
         for (_, fix) in &self.fixes {
             fix.needs(&mut plan, dimension);
@@ -90,7 +92,7 @@ impl Simulation {
         let hooks = self.hooks();
         self.next = self.first_step();
         let mut parts = self.parts(&hooks);
-        parts.points_to_grid();
+        parts.points_to_grid(Scatter::Everything);
         parts.captured.internal(parts.world);
         parts.loops.scattered = !hooks.any(&[Stage::InitialIntegrate]);
         Ok(hooks)
@@ -102,17 +104,46 @@ impl Simulation {
         self.captured.prepare(&self.quantities, &self.world);
         self.plan = self.make_plan();
         self.plan.external_force |= self.captured.reads_external();
-        self.world.particles.require(self.plan.columns);
-        let grid = &mut self.world.grid;
-        grid.separate_external = self.plan.external_force;
-        let masses = self.world.particles.position.iter().map(|position| position[3]);
-        grid.mass_cutoff = EMPTY * masses.filter(|m| *m > 0.0).fold(f64::INFINITY, f64::min);
+        self.fit_world();
         for displacement in &mut self.world.particles.displacement {
             *displacement = [0.0; 4];
         }
         self.loops.sorter.sort(&mut self.world, &mut self.loops.tiles);
         self.loops.travelled = 0.0;
         self.start_fixes()
+    }
+
+    /// Columns, lattices and nodal arrays as the plan and the method ask for.
+    fn fit_world(&mut self) {
+        let mut lattices = self.world.make_lattices();
+        for (lattice, known) in lattices.iter_mut().zip(&self.world.grid.lattices) {
+            if (known.cells, known.nodes) == (lattice.cells, lattice.nodes) {
+                lattice.window = known.window;
+            }
+        }
+        let description = self.world.description();
+        let World { particles, grid, solids, method, domain, .. } = &mut self.world;
+        particles.require(self.plan.columns);
+        if method.total {
+            particles.require_reference();
+        }
+        let matrix = self.transfer.has_matrix();
+        particles.require_matrix(if matrix { domain.dimension } else { 0 });
+        for solid in solids {
+            solid.columns = description.columns(&*solid.law, domain.dimension);
+            if particles.present.contains(Column::F11) {
+                solid.columns.extend(Column::deformation(domain.dimension));
+            }
+        }
+        grid.lattices = lattices;
+        grid.keeps = Keeps {
+            external: self.plan.external_force,
+            displaced: method.total && self.plan.node_places,
+            filtered: self.transfer.filter_terms().is_some(),
+            dilation: method.averaged_dilation,
+        };
+        let masses = particles.position.iter().map(|position| position[3]);
+        grid.mass_cutoff = EMPTY * masses.filter(|m| *m > 0.0).fold(f64::INFINITY, f64::min);
     }
 
     /// Fixes that act once do so, in the order of their definition.
@@ -205,15 +236,34 @@ impl Simulation {
 
     /// The stable step of the present state: for the first step of a run, `check` and warnings.
     pub fn stable_now(&self) -> TimeStep {
-        let report = Report { fastest: stress::fastest(&self.world), ..Report::default() };
-        time_step::stable(&report, self.world.domain.cell, self.dt_factor)
+        self.stable(&points::at_rest(&self.world))
     }
 
-    fn stable_step(&self, report: &Report) -> Option<TimeStep> {
-        Some(match self.fixed_dt {
+    fn stable_step(&self) -> TimeStep {
+        match self.fixed_dt {
             Some(dt) => TimeStep { dt, limit: Limit::Fixed },
-            None => time_step::stable(report, self.world.domain.cell, self.dt_factor),
-        })
+            None => self.stable(&self.loops.limits),
+        }
+    }
+
+    /// The smallest of the stable steps of the lattices.
+    fn stable(&self, reports: &[Report]) -> TimeStep {
+        let dimension = self.world.domain.dimension;
+        let courant = time_step::courant(
+            &self.transfer,
+            self.scheme.kind() == SchemeKind::Usl,
+            self.world.method.shape,
+            dimension,
+        );
+        let cell = |lattice: usize| match self.world.method.total {
+            true => self.world.solids[lattice].cells.cell,
+            false => self.world.domain.cell,
+        };
+        let steps = reports.iter().enumerate().map(|(lattice, report)| {
+            time_step::stable(report, cell(lattice), self.dt_factor * courant)
+        });
+        let none = TimeStep { dt: f64::INFINITY, limit: Limit::Acoustic };
+        steps.fold(none, |least, step| if step.dt < least.dt { step } else { least })
     }
 
     /// Chooses the size of the coming step.
@@ -250,7 +300,7 @@ impl Simulation {
     }
 
     /// One step of the scheme.
-    fn step(&mut self, hooks: &Hooks) -> Result<Report, Fault> {
+    fn step(&mut self, hooks: &Hooks) -> Result<(), Fault> {
         self.clock.step += 1;
         self.scheme.step(&mut self.parts(hooks))
     }
@@ -274,7 +324,7 @@ impl Simulation {
             // A fix stands before the coming P2G: the nodes are filled for the dump alone.
             let hooks = Hooks::default();
             let mut parts = self.parts(&hooks);
-            parts.points_to_grid();
+            parts.points_to_grid(Scatter::Motion);
             parts.loops.scattered = false;
         }
         let slots = self.outputs.slots_due(self.clock.step, last);

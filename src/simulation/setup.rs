@@ -4,20 +4,22 @@ use super::Simulation;
 use super::fill::{self, touched};
 use crate::material::{Law, StressRate};
 use crate::measure::Captured;
+use crate::method::Method;
 use crate::model::clock::Clock;
 use crate::model::column::{Column, ColumnSet};
 use crate::model::domain::Domain;
 use crate::model::grid::Grid;
-use crate::model::group::{Group, GroupId, Groups, Members};
+use crate::model::group::{Group, GroupId, Groups, Members, NodePart};
+use crate::model::lattice::Lattice;
 use crate::model::particles::Particles;
 use crate::output::Outputs;
 use crate::plan::Plan;
 use crate::region::Region;
-use crate::scheme::Loops;
 use crate::scheme::musl::Musl;
+use crate::scheme::{Loops, Scheme};
 use crate::script::formula::Board;
 use crate::time_step::Floor;
-use crate::transfer::Transfer;
+use crate::transfer::{Transfer, TransferKind};
 use crate::world::{Solid, World};
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -35,15 +37,20 @@ fn no_particles(dimension: usize) -> Particles {
 /// Nodes searched for a first member; a group that is still empty then counts as not empty.
 const MOST_SEARCHED: usize = 50_000_000;
 
-/// Does any node of the grid lie in the region?
-fn has_node(domain: &Domain, region: &dyn Region) -> bool {
+/// Does any node of the lattice lie in the region?
+fn has_node(lattice: &Lattice, region: &dyn Region) -> bool {
     let mut searched = 0;
-    let [across, along, up] = touched(domain, &region.bounds(), 1);
+    let cells = touched(&lattice.cells, &region.bounds(), 0);
+    let per_cell = lattice.nodes.map(|count| if count > 1 { lattice.nodes_per_cell() } else { 1 });
+    let [across, along, up] = std::array::from_fn(|axis| {
+        let (first, last) = (*cells[axis].start(), *cells[axis].end());
+        first * per_cell[axis]..=((last + 1) * per_cell[axis]).min(lattice.nodes[axis] - 1)
+    });
     across.into_iter().any(|i| {
         along.clone().any(|j| {
             up.clone().any(|k| {
                 searched += 1;
-                searched > MOST_SEARCHED || region.contains(domain.node([i, j, k]))
+                searched > MOST_SEARCHED || region.contains(lattice.place([i, j, k]))
             })
         })
     })
@@ -58,12 +65,13 @@ impl Simulation {
             particles: no_particles(domain.dimension),
             solids: Vec::new(),
             groups: Groups::default(),
+            method: Method::default(),
             rate: StressRate::default(),
         };
         Self {
             world,
             clock: Clock::default(),
-            transfer: Transfer { alpha: 1.0 },
+            transfer: Transfer::new(TransferKind::Flip, 1.0),
             fixed_dt: None,
             dt_factor: 0.9,
             plan: Plan::default(),
@@ -88,7 +96,7 @@ impl Simulation {
         self.world.particles = no_particles(domain.dimension);
     }
 
-    /// Fills a region with particles (language.md 6.3); gives their number.
+    /// Fills a region with particles on cells of the size of the grid's; gives their number.
     pub fn add_solid(
         &mut self,
         name: &str,
@@ -97,8 +105,23 @@ impl Simulation {
         region: &dyn Region,
         particles_per_cell: usize,
     ) -> usize {
-        let domain = self.world.domain;
-        let columns = law.columns(domain.dimension, self.world.rate);
+        let cell = self.world.domain.cell;
+        self.add_solid_of_cell(name, material, law, region, particles_per_cell, cell)
+    }
+
+    /// Fills a region with particles (language.md 6.3); gives their number. In total Lagrangian
+    /// methods the region must be bounded, and `cell` is the cell size of the solid's own lattice.
+    pub fn add_solid_of_cell(
+        &mut self,
+        name: &str,
+        material: &str,
+        law: Arc<dyn Law>,
+        region: &dyn Region,
+        particles_per_cell: usize,
+        cell: f64,
+    ) -> usize {
+        let domain = self.world.cells_of(region, cell);
+        let columns = self.world.description().columns(&*law, domain.dimension);
         let dimension = domain.dimension as i32;
         let volume = (domain.cell / particles_per_cell as f64).powi(dimension);
         let mass = law.density() * volume;
@@ -117,6 +140,8 @@ impl Simulation {
             material: material.to_string(),
             law,
             particles_per_cell,
+            cells: domain,
+            columns,
         });
         self.world.particles.len() - before
     }
@@ -147,8 +172,7 @@ impl Simulation {
         let particles = &mut self.world.particles;
         for p in 0..particles.len() {
             let listed = solids.is_none_or(|list| list.contains(&(particles.solid[p] as usize)));
-            let reference = [Column::X0, Column::Y0, Column::Z0]
-                .map(|column| particles.column(column).get(p).copied().unwrap_or(0.0));
+            let reference = particles.reference_place(p);
             if listed && region.contains(reference) {
                 particles.join(p, bit);
             }
@@ -157,22 +181,41 @@ impl Simulation {
         (0..particles.len()).filter(|p| particles.belongs(*p, &members)).count()
     }
 
-    /// Adds the grid nodes inside the region to a group; tells whether it has any member.
-    pub fn add_node_group(&mut self, name: &str, region: Arc<dyn Region>) -> bool {
-        let domain = self.world.domain;
-        let known = self.group(name).map(|group| &mut self.world.groups.0[group.0].members);
-        let regions = match known {
-            Some(Members::Nodes { regions }) => {
-                regions.push(region);
-                regions.clone()
-            }
-            _ => {
-                let members = Members::Nodes { regions: vec![region.clone()] };
-                self.world.groups.0.push(Group { name: name.to_string(), members });
-                vec![region]
-            }
+    /// Adds the nodes inside the region (in total Lagrangian methods those of the listed solids;
+    /// `None`: all) to a group; tells whether it has any member.
+    pub fn add_node_group(
+        &mut self,
+        name: &str,
+        region: Arc<dyn Region>,
+        solids: Option<&[usize]>,
+    ) -> bool {
+        let lattices = solids.filter(|_| self.world.method.total).map(<[usize]>::to_vec);
+        let part = NodePart { region, lattices };
+        let group = self.group(name).unwrap_or_else(|| {
+            let members = Members::Nodes { parts: Vec::new() };
+            self.world.groups.0.push(Group { name: name.to_string(), members });
+            GroupId(self.world.groups.0.len() - 1)
+        });
+        let found = self.world.make_lattices();
+        let Members::Nodes { parts } = &mut self.world.groups.0[group.0].members else {
+            return false;
         };
-        regions.iter().any(|region| has_node(&domain, region.as_ref()))
+        parts.push(part);
+        let mut pairs =
+            parts.iter().flat_map(|part| found.iter().enumerate().map(move |l| (part, l)));
+        pairs.any(|(part, (number, lattice))| {
+            part.includes(number) && has_node(lattice, part.region.as_ref())
+        })
+    }
+
+    /// Sets the method, before the first solid.
+    pub fn set_method(&mut self, method: Method) {
+        self.world.method = method;
+    }
+
+    /// Sets the scheme, before the first run.
+    pub fn set_scheme(&mut self, scheme: &'static dyn Scheme) {
+        self.scheme = scheme;
     }
 
     /// Sets the objective rate of hypoelastic laws, before the first run.

@@ -36,8 +36,8 @@ fn bar(dimension: usize, cells: usize, speed: f64) -> Simulation {
     simulation.fixed_dt = Some(0.1 * h / 10.0);
     simulation.add_solid("bar", "mat", linear(1.0, 100.0, 0.0), &between(0.0, LENGTH), 2);
     let everywhere = Arc::new(Block(Bounds::EVERYWHERE));
-    simulation.add_node_group("sides", everywhere);
-    simulation.add_node_group("wall", Arc::new(between(-1.0, 0.25 * h)));
+    simulation.add_node_group("sides", everywhere, None);
+    simulation.add_node_group("wall", Arc::new(between(-1.0, 0.25 * h)), None);
     let zero = || Some(Formula::constant(0.0));
     let prescribe = |name: &str, axes| {
         let velocity = Components::new(name, axes);

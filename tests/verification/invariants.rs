@@ -105,7 +105,7 @@ fn a_velocity_linear_in_x_has_one_gradient_everywhere() {
                 .collect();
             scope.compile(&Argument::bare(&terms.join("+")), None).ok()
         });
-        simulation.add_node_group("all nodes", Arc::new(Block(Bounds::EVERYWHERE)));
+        simulation.add_node_group("all nodes", Arc::new(Block(Bounds::EVERYWHERE)), None);
         let fix = VelocityNodes::new(GroupId(1), Components::new("patch", axes));
         simulation.add_fix("patch", Box::new(fix));
         let dt = 0.01;

@@ -2,7 +2,8 @@
 
 use super::scene::{energies, linear, momentum, steps, two_disks};
 use karamelo::material::linear::Linear;
-use karamelo::material::{Chunk, Elastic, Lane, Law, StressRate, View, stress};
+use karamelo::material::{Chunk, Elastic, Lane, Law, State, StressRate};
+use karamelo::math::tensor::Tensor;
 use karamelo::model::column::{Column, ColumnSet};
 use karamelo::simulation::Simulation;
 use std::sync::{Arc, Mutex};
@@ -85,8 +86,11 @@ struct Recording {
 }
 
 impl Law for Recording {
-    fn columns(&self, dimension: usize, rate: StressRate) -> ColumnSet {
-        self.law.columns(dimension, rate)
+    fn columns(&self, dimension: usize) -> ColumnSet {
+        self.law.columns(dimension)
+    }
+    fn is_incremental(&self) -> bool {
+        true
     }
     fn density(&self) -> f64 {
         self.law.density()
@@ -95,23 +99,27 @@ impl Law for Recording {
         self.law.reference_wave_speed()
     }
     fn update(&self, chunk: &mut Chunk<'_>) {
-        let power = |chunk: &Chunk<'_>, p: usize| {
-            let volume = self.volume * chunk.view().column(Column::J)[p];
-            volume * stress(&chunk.view(), p).dot(&chunk.velocity_gradient(p))
+        let power = |chunk: &Chunk<'_>, p: usize, shrink: f64| {
+            let l = chunk.velocity_gradient(p);
+            // J is that of the end of the step; at its start it was smaller by det(I + dt L).
+            let growth = (Tensor::identity() + l * chunk.dt).determinant();
+            let jacobian = chunk.state.value(Column::J, p) / growth.powf(shrink);
+            self.volume * jacobian * chunk.state.stress(p).dot(&l)
         };
-        let before: Vec<f64> = (0..chunk.len).map(|p| power(chunk, p)).collect();
+        let count = chunk.state.len;
+        let before: f64 = (0..count).map(|p| power(chunk, p, 1.0)).sum();
         self.law.update(chunk);
-        let after: f64 = (0..chunk.len).map(|p| 0.5 * (before[p] + power(chunk, p))).sum();
-        *self.work.lock().unwrap() += after * chunk.dt;
+        let after: f64 = (0..count).map(|p| power(chunk, p, 0.0)).sum();
+        *self.work.lock().unwrap() += 0.5 * (before + after) * chunk.dt;
     }
-    fn wave_speed(&self, view: &View<'_>, out: &mut Lane) {
-        self.law.wave_speed(view, out);
+    fn wave_speed(&self, state: &State, out: &mut Lane) {
+        self.law.wave_speed(state, out);
     }
-    fn stored_energy(&self, view: &View<'_>, out: &mut Lane) {
-        self.law.stored_energy(view, out);
+    fn stored_energy(&self, state: &State, out: &mut Lane) {
+        self.law.stored_energy(state, out);
     }
-    fn elastic_strain(&self, view: &View<'_>, out: &mut [Lane; 6]) {
-        self.law.elastic_strain(view, out);
+    fn elastic_strain(&self, state: &State, out: &mut [Lane; 6]) {
+        self.law.elastic_strain(state, out);
     }
     fn accepts_initial_stress(&self) -> bool {
         true

@@ -1,0 +1,221 @@
+//! `method`, `scheme` and what goes with them.
+
+use super::domain::available;
+use super::scene::Scene;
+use super::{Action, action};
+use crate::method::{METHODS, Method};
+use crate::model::domain::Domain;
+use crate::scheme::{SCHEMES, SchemeKind};
+use crate::script::arguments::{Args, Name};
+use crate::script::diagnostic::{Code, Diagnostic};
+use crate::script::source::Span;
+use crate::shape::{SHAPES, ShapeKind};
+use crate::style;
+use crate::time_step;
+use crate::transfer::{TRANSFERS, Transfer, TransferKind};
+
+/// Most terms of the filter of XPIC: binomial coefficients stay exact.
+const MOST_TERMS: u64 = 40;
+
+/// Method and transfer as the script chose them.
+#[derive(Clone, Copy)]
+pub struct Choice {
+    /// The method.
+    pub method: Method,
+    /// The transfer.
+    pub transfer: Transfer,
+}
+
+impl Default for Choice {
+    /// What old scripts without `method` mean: `method(tlmpm, FLIP, linear, 0.99)`.
+    fn default() -> Self {
+        let method = Method { total: true, ..Method::default() };
+        Self { method, transfer: Transfer::new(TransferKind::Flip, 0.99) }
+    }
+}
+
+/// `method(type, sub, shape [, alpha] [, option ...])`
+pub fn method(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    if scene.method.is_some() {
+        let message = "a second `method`";
+        let label = match scene.solids.is_empty() {
+            true => "the method is given above",
+            false => "the method is given, or taken as the default by the first solid, above",
+        };
+        return Err(Diagnostic::error(Code::Duplicate, args.command.span, message).label(label));
+    }
+    scene.method = Some(Choice::default());
+    let word = args.word("a method type")?;
+    let (_, total) = style::find("method", METHODS, &word)?;
+    let kind = transfer_kind(args)?;
+    let shape = shape(args)?;
+    let mut transfer = blend(args, kind, None)?;
+    while args.remaining() > 0 {
+        option(args, &mut transfer)?;
+    }
+    let method = Method { total, shape: shape.1, ..Method::default() };
+    check_combination(&method, &transfer, &word, shape.0)?;
+    let choice = Choice { method, transfer };
+    scene.method = Some(choice);
+    warn_if_fragile(args, scene);
+    Ok(action(move |session| {
+        session.simulation.set_method(Method {
+            averaged_dilation: session.simulation.world.method.averaged_dilation,
+            ..choice.method
+        });
+        session.simulation.transfer = choice.transfer;
+    }))
+}
+
+/// Reads the sub-method, with the number of terms of `XPIC`.
+pub fn transfer_kind(args: &mut Args<'_>) -> Result<TransferKind, Diagnostic> {
+    let word = args.word("a sub-method")?;
+    let (_, kind) = style::find("transfer", TRANSFERS, &word)?;
+    if !matches!(kind, TransferKind::Xpic(_)) {
+        return Ok(kind);
+    }
+    let span = args.next_span();
+    let terms = args.count("the number of terms m", 1)?;
+    if terms > MOST_TERMS {
+        let message = format!("at most {MOST_TERMS} terms are possible");
+        return Err(Diagnostic::error(Code::Range, span, message).label("too many"));
+    }
+    Ok(TransferKind::Xpic(terms as u32))
+}
+
+/// Reads the shape function and where it stands.
+pub fn shape(args: &mut Args<'_>) -> Result<(Span, ShapeKind), Diagnostic> {
+    let word = args.word("a shape function")?;
+    let (_, kind) = style::find("shape", SHAPES, &word)?;
+    Ok((word.span, kind))
+}
+
+/// Reads alpha, or `time-constant, tau`, where the transfer takes one; `otherwise` where it may be
+/// missing.
+pub fn blend(
+    args: &mut Args<'_>,
+    kind: TransferKind,
+    otherwise: Option<f64>,
+) -> Result<Transfer, Diagnostic> {
+    let mut transfer = Transfer::new(kind, 0.0);
+    if !kind.takes_blend() {
+        return Ok(transfer);
+    }
+    if let (0, Some(alpha)) = (args.remaining(), otherwise) {
+        transfer.alpha = alpha;
+    } else if args.keyword("time-constant") {
+        transfer.time_constant = Some(args.positive("the time constant tau")?.value);
+    } else {
+        transfer.alpha = args.within("the blend alpha", 0.0, 1.0)?.value;
+    }
+    Ok(transfer)
+}
+
+/// Reads one option of `method`.
+fn option(args: &mut Args<'_>, transfer: &mut Transfer) -> Result<(), Diagnostic> {
+    let known = ["mechanical", "gradient-enhanced", "thermo-mechanical"];
+    let cpdi = ["R4", "Q4", "T3", "R8", "H8", "Tet4"];
+    if !transfer.kind.takes_blend()
+        && args.peek().is_some_and(|word| !known.contains(&word) && !cpdi.contains(&word))
+        && args.peek().is_some_and(|word| word.parse::<f64>().is_ok())
+    {
+        let message = "this sub-method has no blend alpha";
+        return Err(Diagnostic::error(Code::Unread, args.next_span(), message)
+            .label("an argument too many"));
+    }
+    let all: Vec<&str> = known.into_iter().chain(cpdi).collect();
+    let word = available(args, "method option", &all, &known[..2])?;
+    if word.text == "gradient-enhanced" {
+        use TransferKind::{Flip, Pic, Xpic};
+        if !matches!(transfer.kind, Pic | Flip | Xpic(_)) {
+            let message = "`gradient-enhanced` goes with PIC, FLIP and XPIC";
+            return Err(Diagnostic::error(Code::NotCombined, word.span, message)
+                .label("this sub-method carries an affine field already"));
+        }
+        transfer.gradient_enhanced = true;
+    }
+    Ok(())
+}
+
+/// Refuses what language.md 6.2 refuses.
+fn check_combination(
+    method: &Method,
+    transfer: &Transfer,
+    word: &Name,
+    shape: Span,
+) -> Result<(), Diagnostic> {
+    if method.shape == ShapeKind::Bernstein && !method.total {
+        let message = format!("`Bernstein-quadratic` does not go with `{}`", word.text);
+        return Err(Diagnostic::error(Code::NotCombined, shape, message)
+            .label("its slope jumps where particles cross cells")
+            .help("use `tlmpm`, or a spline"));
+    }
+    if transfer.kind == TransferKind::Mls && !method.shape.is_spline() {
+        let message = "`MLS` needs `quadratic-spline` or `cubic-spline`";
+        return Err(Diagnostic::error(Code::NotCombined, shape, message)
+            .label("has no moment matrix that can be inverted everywhere"));
+    }
+    Ok(())
+}
+
+/// Refuses lattices with too few nodes for the shape.
+pub fn check_nodes(cells: &Domain, shape: ShapeKind, span: Span) -> Result<(), Diagnostic> {
+    let counts = cells.cells();
+    for axis in 0..cells.dimension {
+        let nodes = counts[axis] * shape.nodes_per_cell() + 1;
+        if nodes < shape.fewest_nodes() {
+            let (name, least) = (["x", "y", "z"][axis], shape.fewest_nodes());
+            let message =
+                format!("splines need {least} nodes per axis; along {name} there are {nodes}");
+            return Err(Diagnostic::error(Code::NotCombined, span, message)
+                .label("too few cells")
+                .help("take smaller cells, or `linear`"));
+        }
+    }
+    Ok(())
+}
+
+/// Warns where no time step is stable for every place of a particle.
+fn warn_if_fragile(args: &mut Args<'_>, scene: &Scene) {
+    let Some(Choice { method, transfer }) = scene.method else { return };
+    let usl = scene.scheme == SchemeKind::Usl;
+    if time_step::is_fragile(&transfer, usl, method.shape) {
+        let message = "no time step is stable for every place of a particle in its cell";
+        let reason = match usl {
+            true => "strains from v* see nodes with hardly any mass",
+            false => "affine fields see nodes with hardly any mass",
+        };
+        args.remarks.push(
+            Diagnostic::warning(Code::UnstableStep, args.command.span, message)
+                .label(reason)
+                .help("splines are stable, and so is `FLIP` with `musl`"),
+        );
+    }
+}
+
+/// `scheme(musl|usl|usf)`
+pub fn scheme(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    scene.before_runs(args.command)?;
+    let word = args.word("a scheme")?;
+    let (_, scheme) = style::find("scheme", SCHEMES, &word)?;
+    scene.scheme = scheme.kind();
+    warn_if_fragile(args, scene);
+    Ok(action(move |session| session.simulation.set_scheme(scheme)))
+}
+
+/// `anti_locking(none|fbar)`
+pub fn anti_locking(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    scene.before_runs(args.command)?;
+    let averaged = args.choice("remedy for locking", &["none", "fbar"])? == 1;
+    Ok(action(move |session| session.simulation.world.method.averaged_dilation = averaged))
+}
+
+/// `anti_volumetric_locking(true|false)`, another word for `anti_locking`.
+pub fn anti_volumetric_locking(
+    args: &mut Args<'_>,
+    scene: &mut Scene,
+) -> Result<Action, Diagnostic> {
+    scene.before_runs(args.command)?;
+    let averaged = args.choice("truth value", &["false", "true"])? == 1;
+    Ok(action(move |session| session.simulation.world.method.averaged_dilation = averaged))
+}

@@ -1,0 +1,141 @@
+//! The chunk of particles a thread is at, and its two layouts.
+//!
+//! Loops over nodes want one particle at a time, with the axes of a vector side by side; laws want
+//! one quantity at a time, with four particles side by side. Here 4 x 4 blocks are turned over.
+
+use crate::material::kinematics::Description;
+use crate::material::state::{STRESS, SYMMETRIC};
+use crate::material::{Chunk, GROUPS, LANES, Lane, Law, NOTHING, State};
+use crate::math::v4::{Sweep, Wide, dispatch};
+use crate::math::wide::{cofactors, product, product_transposed};
+use crate::model::column::Column;
+use std::cell::RefCell;
+
+/// Columns 0, 1, 2 of a tensor of each particle.
+pub type Records = [[[f64; 4]; LANES]; 3];
+
+/// Memory for one chunk.
+pub struct Scratch {
+    /// The state of the particles.
+    pub state: State,
+    /// Velocity gradient, as the law reads it.
+    pub gradient: [Lane; 9],
+    /// R of F = R U.
+    pub rotation: [Lane; 9],
+    /// Velocity gradient or stress, as the loops over nodes want it.
+    pub records: Records,
+    /// Some other number of each particle.
+    pub numbers: Lane,
+}
+
+impl Default for Scratch {
+    fn default() -> Self {
+        Self {
+            state: State::default(),
+            gradient: [NOTHING; 9],
+            rotation: [NOTHING; 9],
+            records: [[[0.0; 4]; LANES]; 3],
+            numbers: NOTHING,
+        }
+    }
+}
+
+thread_local! {
+    /// The chunk of this thread.
+    pub static SCRATCH: RefCell<Box<Scratch>> = RefCell::default();
+}
+
+impl Scratch {
+    /// The part that kinematics and laws work on.
+    #[inline(always)]
+    pub fn chunk(&mut self, dt: f64) -> Chunk<'_> {
+        Chunk {
+            state: &mut self.state,
+            dt,
+            gradient: &mut self.gradient,
+            rotation: &mut self.rotation,
+            failed: None,
+        }
+    }
+}
+
+/// gradient <- records, entry by entry.
+#[inline(always)]
+pub fn spread<V: Wide, const D: usize>(records: &Records, gradient: &mut [Lane; 9], groups: usize) {
+    for group in 0..groups.min(GROUPS) {
+        for j in 0..D {
+            let four = [0, 1, 2, 3].map(|p| V::load(&records[j][4 * group + p]));
+            let rows = V::transpose(four);
+            for i in 0..D {
+                rows[i].store(&mut gradient[3 * i + j][group]);
+            }
+        }
+    }
+    // Entries beyond the dimension may hold numbers of another scene.
+    for entry in (0..9).filter(|entry| entry / 3 >= D || entry % 3 >= D) {
+        gradient[entry][..groups.min(GROUPS)].fill([0.0; 4]);
+    }
+}
+
+/// records <- the columns of J sigma (updated Lagrangian) or of P = J sigma F^-T: what times
+/// -V0 grad N is the nodal force.
+pub fn stresses(description: Description, law: &dyn Law, scratch: &mut Scratch) {
+    let total = description == Description::Total;
+    let turned_back = description.is_turned_back(law);
+    match scratch.state.dimension {
+        1 => dispatch(Stresses::<1> { scratch, total, turned_back }),
+        2 => dispatch(Stresses::<2> { scratch, total, turned_back }),
+        _ => dispatch(Stresses::<3> { scratch, total, turned_back }),
+    }
+}
+
+struct Stresses<'a, const D: usize> {
+    scratch: &'a mut Scratch,
+    total: bool,
+    turned_back: bool,
+}
+
+impl<const D: usize> Sweep for Stresses<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Wide>(self) {
+        match (self.total, self.turned_back) {
+            (false, _) => self.groups::<V, false, false>(),
+            (true, false) => self.groups::<V, true, false>(),
+            (true, true) => self.groups::<V, true, true>(),
+        }
+    }
+}
+
+impl<const D: usize> Stresses<'_, D> {
+    #[inline(always)]
+    fn groups<V: Wide, const TOTAL: bool, const TURNED: bool>(self) {
+        let Scratch { state, rotation, records, .. } = self.scratch;
+        for group in state.groups() {
+            let six: [V; 6] = STRESS.map(|column| state.four(column, group));
+            let sigma: [V; 9] = SYMMETRIC.map(|index| six[index]);
+            let tensor = if TOTAL {
+                let (cofactor, _) = cofactors::<V, D>(&state.deformation_of_four(group));
+                let sigma = if TURNED {
+                    let r = std::array::from_fn(|entry| V::load(&rotation[entry][group]));
+                    product_transposed::<V, D>(&product::<V, D>(&r, &sigma), &r)
+                } else {
+                    sigma
+                };
+                product::<V, D>(&sigma, &cofactor)
+            } else {
+                let j: V = state.four(Column::J, group);
+                sigma.map(|entry| j * entry)
+            };
+            for j in 0..D {
+                let zero = V::splat(0.0);
+                let entry = |i: usize| if i < D { tensor[3 * i + j] } else { zero };
+                let four = V::transpose([entry(0), entry(1), entry(2), zero]);
+                for p in 0..4 {
+                    four[p].store(&mut records[j][4 * group + p]);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! F-bar: the volumetric part of L, averaged over the grid (language.md 9.1).
+
+use super::by_kind;
+use super::chunk::{SCRATCH, Scratch, spread};
+use super::points::{gradient_of, of_one_solid};
+use super::shared::Shared;
+use super::tiles::Tiles;
+use crate::material::{Description, LANES};
+use crate::math::v4::{Plain, Wide};
+use crate::math::wide::{Four, cofactors, in_space};
+use crate::model::column::{Column, ColumnSet};
+use crate::model::particles::Particles;
+use crate::shape::Shape;
+use crate::world::World;
+
+/// dilation += N m tr L for every particle.
+pub fn sweep(tiles: &mut Tiles, world: &mut World) {
+    by_kind!(world.domain.dimension, world.method.shape, sweep_of, tiles, world);
+}
+
+fn sweep_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
+    tiles: &mut Tiles,
+    world: &mut World,
+) {
+    let description = world.description();
+    let total = description == Description::Total;
+    let World { particles, grid, .. } = world;
+    let places = if total { &particles.reference } else { &particles.position };
+    let mapped = &grid.mapped;
+    let dilation = Shared::new(&mut grid.dilation);
+    tiles.sweep(|tile, _| {
+        SCRATCH.with_borrow_mut(|scratch| {
+            for range in of_one_solid(tile.range, &particles.solid) {
+                load_deformation(scratch, particles, D, range.clone());
+                let inverse = Plain::splat(tile.frame.inverse_spacing);
+                for (p, place) in places[range.clone()].iter().take(LANES).enumerate() {
+                    let stencil = tile.frame.stencil::<Plain, D, W, S>(Plain::load(place));
+                    let columns = gradient_of::<Plain, D, W>(&stencil, mapped);
+                    for j in 0..D {
+                        (columns[j] * inverse).store(&mut scratch.records[j][p]);
+                    }
+                }
+                let groups = scratch.state.groups().end;
+                spread::<Plain, D>(&scratch.records, &mut scratch.gradient, groups);
+                traces::<Plain, D>(scratch, description);
+                for (p, place) in places[range].iter().take(LANES).enumerate() {
+                    let stencil = tile.frame.stencil::<Plain, D, W, S>(Plain::load(place));
+                    let amount = place[3] * scratch.numbers[p / 4][p % 4];
+                    for row in (0..W.pow(D as u32 - 1)).map(|number| stencil.row(number)) {
+                        // SAFETY: tiles of one colour share no node (see `tiles`).
+                        let nodes = unsafe { dilation.row::<W>(row.first) };
+                        for (k, node) in nodes.iter_mut().enumerate() {
+                            *node += row.value * stencil.value(k) * amount;
+                        }
+                    }
+                }
+            }
+        });
+    });
+}
+
+/// F of a chunk, where the scene has it.
+fn load_deformation(
+    scratch: &mut Scratch,
+    particles: &Particles,
+    dimension: usize,
+    range: std::ops::Range<usize>,
+) {
+    let mut set = ColumnSet::default();
+    set.extend(Column::deformation(dimension));
+    scratch.state.load(dimension, range.len(), set.common(particles.present), |column| {
+        &particles.column(column)[range.clone()]
+    });
+}
+
+/// numbers <- tr L; total Lagrangian: dF/dt : F^-T.
+fn traces<V: Wide, const D: usize>(scratch: &mut Scratch, description: Description) {
+    for group in scratch.state.groups() {
+        trace_of::<V, D>(scratch, description, group).store(&mut scratch.numbers[group]);
+    }
+}
+
+#[inline(always)]
+fn trace_of<V: Wide, const D: usize>(
+    scratch: &Scratch,
+    description: Description,
+    group: usize,
+) -> V {
+    let rate = |entry: usize| V::load(&scratch.gradient[entry][group]);
+    if description != Description::Total {
+        return (1..D).fold(rate(0), |trace, axis| trace + rate(4 * axis));
+    }
+    let f: Four<V> = scratch.state.deformation_of_four(group);
+    let (cofactor, j) = cofactors::<V, D>(&f);
+    let entries = (0..9).filter(|entry| in_space::<D>(*entry));
+    entries.fold(V::splat(0.0), |sum, entry| rate(entry).mul_add(cofactor[entry], sum)) / j
+}
+
+/// L <- L + (theta - tr L)/d I with theta in `numbers`; total Lagrangian:
+/// dF/dt <- dF/dt + (theta - tr L)/d F.
+pub fn replace<V: Wide, const D: usize>(scratch: &mut Scratch, description: Description) {
+    for group in scratch.state.groups() {
+        let theta = V::load(&scratch.numbers[group]);
+        let trace = trace_of::<V, D>(scratch, description, group);
+        let shift = (theta - trace) / V::splat(D as f64);
+        let total = description == Description::Total;
+        let f: Four<V> = scratch.state.deformation_of_four(group);
+        for entry in (0..9).filter(|entry| in_space::<D>(*entry) && (total || entry % 4 == 0)) {
+            let rate = V::load(&scratch.gradient[entry][group]);
+            let factor = if total { f[entry] } else { V::splat(1.0) };
+            shift.mul_add(factor, rate).store(&mut scratch.gradient[entry][group]);
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! The filter of XPIC(m): nodal velocities without the smoothing of one mapping to and fro.
+//!
+//! v' = sum_{k=1..m} (-1)^(k+1) C(m, k) (S+ S)^(k-1) S+ V with S: grid to particles and S+: particles
+//! to grid by mass. `Grid::filtered` becomes v' - v; particles then take sum N (v* + v' - v).
+//!
+//! # Source  Hammerquist and Nairn 2017
+
+use super::by_kind;
+use super::grid::{for_each_run, inverse_mass};
+use super::shared::Shared;
+use super::stencil::Stencil;
+use super::tiles::Tiles;
+use crate::math::v4::{Sweep, Wide, dispatch};
+use crate::model::grid::Grid;
+use crate::shape::Shape;
+use crate::world::World;
+use std::marker::PhantomData;
+
+/// filtered <- v' - v, from the momentum and mass of P2G. `spare` is memory.
+pub fn apply(tiles: &mut Tiles, world: &mut World, spare: &mut Vec<[f64; 4]>, terms: u32) {
+    start(&mut world.grid, tiles.parallel, f64::from(terms));
+    let mut factor = f64::from(terms);
+    for k in 2..=terms {
+        // (-1)^(k+1) C(m, k), one from the other.
+        factor *= -f64::from(terms + 1 - k) / f64::from(k);
+        spare.clear();
+        spare.resize(world.grid.len(), [0.0; 4]);
+        project(tiles, world, spare);
+        add(&mut world.grid, spare, factor);
+    }
+}
+
+/// mapped <- v, filtered <- (m - 1) v.
+fn start(grid: &mut Grid, parallel: bool, terms: f64) {
+    let cutoff = grid.mass_cutoff;
+    for_each_run(grid, parallel, |nodes, mapped| {
+        for (node, mapped) in nodes.iter().zip(mapped) {
+            let inverse = inverse_mass(node, cutoff);
+            *mapped = node.motion.map(|momentum| inverse * momentum);
+        }
+    });
+    for (filtered, v) in grid.filtered.iter_mut().zip(&grid.mapped) {
+        *filtered = v.map(|v| (terms - 1.0) * v);
+    }
+}
+
+/// spare += N m sum N v, for every particle.
+fn project(tiles: &mut Tiles, world: &World, spare: &mut [[f64; 4]]) {
+    by_kind!(world.domain.dimension, world.method.shape, project_of, tiles, world, spare);
+}
+
+fn project_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
+    tiles: &mut Tiles,
+    world: &World,
+    spare: &mut [[f64; 4]],
+) {
+    let World { particles, grid, method, .. } = world;
+    let places = if method.total { &particles.reference } else { &particles.position };
+    let spare = Shared::new(spare);
+    tiles.sweep(|tile, _| {
+        dispatch(Part::<'_, D, W, S> {
+            places: &places[tile.range],
+            from: &grid.mapped,
+            to: spare,
+            frame: tile.frame,
+            shape: PhantomData,
+        });
+    });
+}
+
+struct Part<'a, const D: usize, const W: usize, S> {
+    places: &'a [[f64; 4]],
+    from: &'a [[f64; 4]],
+    to: Shared<'a, [f64; 4]>,
+    frame: &'a super::stencil::Frame,
+    shape: PhantomData<S>,
+}
+
+impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Wide>(self) {
+        for place in self.places {
+            let stencil = self.frame.stencil::<V, D, W, S>(V::load(place));
+            let mut velocity = V::splat(0.0);
+            for number in 0..Stencil::<D, W>::ROWS {
+                let row = stencil.row(number);
+                for (k, node) in self.from[row.first..row.first + W].iter().enumerate() {
+                    let weight = V::splat(row.value * stencil.value(k));
+                    velocity = weight.mul_add(V::load(node), velocity);
+                }
+            }
+            let momentum = V::splat(place[3]) * velocity;
+            for number in 0..Stencil::<D, W>::ROWS {
+                let row = stencil.row(number);
+                // SAFETY: tiles of one colour share no node (see `tiles`).
+                let nodes = unsafe { self.to.row::<W>(row.first) };
+                for (k, node) in nodes.iter_mut().enumerate() {
+                    let weight = V::splat(row.value * stencil.value(k));
+                    weight.mul_add(momentum, V::load(node)).store(node);
+                }
+            }
+        }
+    }
+}
+
+/// mapped <- spare/m, filtered += factor mapped.
+fn add(grid: &mut Grid, spare: &[[f64; 4]], factor: f64) {
+    let Grid { nodes, mapped, filtered, runs, mass_cutoff, .. } = grid;
+    for node in runs.iter().cloned().flatten() {
+        let inverse = inverse_mass(&nodes[node], *mass_cutoff);
+        mapped[node] = spare[node].map(|momentum| inverse * momentum);
+        for (filtered, v) in filtered[node].iter_mut().zip(mapped[node]) {
+            *filtered += factor * v;
+        }
+    }
+}
+
+/// change <- v' - v: what particles gather beside v* in place of v* - v.
+pub fn exchange(grid: &mut Grid) {
+    let Grid { nodes, filtered, runs, .. } = grid;
+    for node in runs.iter().cloned().flatten() {
+        nodes[node].change[..3].copy_from_slice(&filtered[node][..3]);
+    }
+}

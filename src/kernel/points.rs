@@ -1,0 +1,547 @@
+//! Velocity gradients, stress and movement of the particles, and P2G.
+
+use super::by_kind;
+use super::chunk::{SCRATCH, Scratch, spread, stresses};
+use super::shared::Shared;
+use super::stencil::{Frame, Stencil};
+use super::tiles::{Report, Tile, Tiles};
+use crate::material::kinematics::thinnest;
+use crate::material::{Description, GROUPS, LANES, NOTHING};
+use crate::math::v4::{Plain, Sweep, Wide, dispatch};
+use crate::model::column::{COLUMNS, Column, ColumnSet};
+use crate::model::grid::Node;
+use crate::shape::Shape;
+use crate::world::{Solid, World};
+use std::marker::PhantomData;
+use std::ops::Range;
+
+/// What the sweep does.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Points {
+    /// Size of the step \[T\].
+    pub dt: f64,
+    /// Line 15 of language.md 7.1: L from the nodal velocities; F, J, stress.
+    pub stress: bool,
+    /// The adaptive dt needs wave speeds and rates.
+    pub time_step: bool,
+    /// The trace of L is replaced by its average over the grid.
+    pub averaged_dilation: bool,
+    /// L is kept for the coming P2G (`gradient-enhanced`).
+    pub keep_gradient: bool,
+    /// x += dx.
+    pub advance: bool,
+    /// Mass and momentum go to the nodes.
+    pub motion: bool,
+    /// Internal forces go to the nodes.
+    pub force: bool,
+    /// Momentum is that of v_p + A_p (x_I - x_p).
+    pub affine: bool,
+    /// Forces and L come from moments in place of gradients (MLS).
+    pub moments: bool,
+    /// L is the matrix C_p that the gathering left (MLS after v*).
+    pub matrix_is_gradient: bool,
+}
+
+/// Does what `points` says for every particle, in chunks of one law: L = sum v (x) grad N at the
+/// old place, the law, movement, and P2G (line 5) at the new place.
+pub fn sweep(tiles: &mut Tiles, world: &mut World, points: Points) -> Report {
+    by_kind!(world.domain.dimension, world.method.shape, sweep_of, tiles, world, points)
+}
+
+/// Memory that the tiles write, each its part.
+struct Lent<'a> {
+    position: Shared<'a, [f64; 4]>,
+    matrix: [Shared<'a, [f64; 4]>; 3],
+    columns: [Shared<'a, f64>; COLUMNS],
+    nodes: Shared<'a, Node>,
+}
+
+/// What the tiles read.
+struct Seen<'a> {
+    velocity: &'a [[f64; 4]],
+    displacement: &'a [[f64; 4]],
+    reference: &'a [[f64; 4]],
+    solid: &'a [u16],
+    mapped: &'a [[f64; 4]],
+    dilation: &'a [f64],
+    solids: &'a [Solid],
+    present: ColumnSet,
+    description: Description,
+}
+
+fn sweep_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
+    tiles: &mut Tiles,
+    world: &mut World,
+    points: Points,
+) -> Report {
+    let description = world.description();
+    let World { particles, grid, solids, .. } = world;
+    let seen = Seen {
+        velocity: &particles.velocity,
+        displacement: &particles.displacement,
+        reference: &particles.reference,
+        solid: &particles.solid,
+        mapped: &grid.mapped,
+        dilation: &grid.dilation,
+        solids,
+        present: particles.present,
+        description,
+    };
+    let mut columns = particles.columns.iter_mut();
+    let mut matrix = particles.matrix.iter_mut();
+    let lent = Lent {
+        position: Shared::new(&mut particles.position),
+        matrix: std::array::from_fn(|_| Shared::new(matrix.next().map_or(&mut [], |c| c))),
+        columns: std::array::from_fn(|_| Shared::new(columns.next().map_or(&mut [], |c| c))),
+        nodes: Shared::new(&mut grid.nodes),
+    };
+    tiles.sweep(|tile: Tile<'_>, report| {
+        SCRATCH.with_borrow_mut(|scratch| {
+            for range in of_one_solid(tile.range, seen.solid) {
+                let part = Part::<'_, D, W, S> {
+                    solid: &seen.solids[seen.solid[range.start] as usize],
+                    range,
+                    seen: &seen,
+                    lent: &lent,
+                    scratch,
+                    frame: *tile.frame,
+                    points,
+                    report,
+                    shape: PhantomData,
+                };
+                dispatch(part);
+            }
+        })
+    })
+}
+
+/// Cuts a range into chunks of at most [`LANES`] particles of one solid.
+pub fn of_one_solid(range: Range<usize>, solid: &[u16]) -> impl Iterator<Item = Range<usize>> {
+    let mut start = range.start;
+    std::iter::from_fn(move || {
+        if start == range.end {
+            return None;
+        }
+        let limit = range.end.min(start + LANES);
+        // Within a tile the particles are sorted by solid.
+        let first = solid[start];
+        let end = start + solid[start..limit].partition_point(|other| *other == first);
+        let chunk = start..end;
+        start = end;
+        Some(chunk)
+    })
+}
+
+/// The larger of two numbers, in one instruction; a number that is not one never wins.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
+/// One chunk.
+struct Part<'a, const D: usize, const W: usize, S> {
+    solid: &'a Solid,
+    range: Range<usize>,
+    seen: &'a Seen<'a>,
+    lent: &'a Lent<'a>,
+    scratch: &'a mut Scratch,
+    frame: Frame,
+    points: Points,
+    report: &'a mut Report,
+    shape: PhantomData<S>,
+}
+
+impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Wide>(mut self) {
+        let Points { stress, advance, motion, force, .. } = self.points;
+        let set = self.solid.columns.common(self.seen.present);
+        self.load(set);
+        if stress {
+            match (self.points.matrix_is_gradient, self.points.moments) {
+                (true, _) => self.take_matrix(),
+                (false, true) => self.gradients::<V, true>(),
+                (false, false) => self.gradients::<V, false>(),
+            }
+            self.update::<V>();
+            self.store(set);
+        }
+        if advance {
+            self.advance::<V>();
+        }
+        if force {
+            if !stress {
+                let law = &*self.solid.law;
+                self.seen.description.turn(law, &mut self.scratch.chunk(0.0));
+            }
+            stresses(self.seen.description, &*self.solid.law, self.scratch);
+        }
+        match (motion, force, self.points.affine) {
+            (true, true, false) => self.scatter::<V, true, true, false>(),
+            (true, true, true) => self.scatter::<V, true, true, true>(),
+            (true, false, false) => self.scatter::<V, true, false, false>(),
+            (true, false, true) => self.scatter::<V, true, false, true>(),
+            (false, true, _) => self.scatter::<V, false, true, false>(),
+            (false, false, _) => {}
+        }
+    }
+}
+
+impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
+    /// The places the weights belong to.
+    #[inline(always)]
+    fn places(&self) -> &'a [[f64; 4]] {
+        let (seen, lent) = (self.seen, self.lent);
+        match seen.description {
+            Description::Total => &seen.reference[self.range.clone()],
+            // SAFETY: the ranges of the tiles do not overlap, so each particle has one user.
+            Description::Updated(_) => unsafe { lent.position.part(self.range.clone()) },
+        }
+    }
+
+    /// The state of the chunk into the scratch memory.
+    #[inline(always)]
+    fn load(&mut self, set: ColumnSet) {
+        let (range, columns) = (self.range.clone(), &self.lent.columns);
+        self.scratch.state.load(D, range.len(), set, |column| {
+            // SAFETY: as in `places`.
+            unsafe { columns[column as usize].part(range.clone()) }
+        });
+    }
+
+    /// And back.
+    #[inline(always)]
+    fn store(&mut self, set: ColumnSet) {
+        for column in set.iter() {
+            // SAFETY: as in `places`.
+            let slice = unsafe { self.lent.columns[column as usize].part(self.range.clone()) };
+            slice.copy_from_slice(self.scratch.state.values(column));
+        }
+    }
+
+    /// L of every particle at its old place.
+    #[inline(always)]
+    fn gradients<V: Wide, const MOMENTS: bool>(&mut self) {
+        let (frame, mapped, places) = (self.frame, self.seen.mapped, self.places());
+        let inverse = V::splat(frame.inverse_spacing);
+        let records = &mut self.scratch.records;
+        for (p, place) in places.iter().take(LANES).enumerate() {
+            let mut stencil = frame.stencil::<V, D, W, S>(V::load(place));
+            if MOMENTS {
+                stencil = stencil.affine::<V, S>();
+            }
+            let columns = gradient_of::<V, D, W>(&stencil, mapped);
+            for j in 0..D {
+                (columns[j] * inverse).store(&mut records[j][p]);
+            }
+        }
+    }
+
+    /// Kinematics and law; then what the time step needs.
+    #[inline(always)]
+    fn update<V: Wide>(&mut self) {
+        let groups = self.scratch.state.groups().end;
+        let Scratch { records, gradient, .. } = &mut *self.scratch;
+        spread::<V, D>(records, gradient, groups);
+        if self.points.keep_gradient {
+            self.keep_gradient();
+        }
+        if self.points.averaged_dilation {
+            self.average_dilation::<V>();
+        }
+        let law = &*self.solid.law;
+        let has_deformation = self.scratch.state.has(Column::F11);
+        let mut chunk = self.scratch.chunk(self.points.dt);
+        self.seen.description.advance(law, has_deformation, &mut chunk);
+        law.update(&mut chunk);
+        if let Some(failed) = chunk.failed {
+            self.report.failed.get_or_insert(self.range.start + failed);
+        }
+        if self.points.time_step {
+            self.time_step::<V>();
+        }
+    }
+
+    /// L_p <- C_p.
+    fn take_matrix(&mut self) {
+        for (axis, records) in self.scratch.records.iter_mut().enumerate().take(D) {
+            // SAFETY: as in `places`.
+            let matrix = unsafe { self.lent.matrix[axis].part(self.range.clone()) };
+            records[..matrix.len()].copy_from_slice(matrix);
+        }
+    }
+
+    /// A_p <- L_p.
+    fn keep_gradient(&mut self) {
+        for (axis, records) in self.scratch.records.iter().enumerate().take(D) {
+            // SAFETY: as in `places`.
+            let matrix = unsafe { self.lent.matrix[axis].part(self.range.clone()) };
+            for (matrix, [x, y, z, _]) in matrix.iter_mut().zip(records) {
+                *matrix = [*x, *y, *z, 0.0];
+            }
+        }
+    }
+
+    /// L <- L + (theta - tr L)/d I, theta the average over the grid; in total Lagrangian methods
+    /// the same with L = dF/dt F^-1.
+    fn average_dilation<V: Wide>(&mut self) {
+        let frame = self.frame;
+        let mut theta = NOTHING;
+        for (p, place) in self.places().iter().enumerate() {
+            let stencil = frame.stencil::<V, D, W, S>(V::load(place));
+            theta[p / 4][p % 4] = average_of(&stencil, self.seen.dilation);
+        }
+        self.scratch.numbers = theta;
+        super::dilation::replace::<V, D>(self.scratch, self.seen.description);
+    }
+
+    /// The fastest wave, the largest rate and the smallest stretch of the chunk.
+    #[inline(always)]
+    fn time_step<V: Wide>(&mut self) {
+        let Scratch { state, gradient, numbers: speed, .. } = &mut *self.scratch;
+        self.solid.law.wave_speed(state, speed);
+        let mut fastest = V::splat(self.report.fastest);
+        let velocity = &self.seen.velocity[self.range.clone()];
+        for (wave, v) in speed.as_flattened().iter().zip(velocity) {
+            fastest = (V::load(v).absolute() + V::splat(*wave)).larger(fastest);
+        }
+        self.report.fastest = fastest.array()[..D].iter().fold(0.0, |a, b| larger(a, *b));
+        let mut largest = [0.0; 4];
+        for group in 0..state.groups().end.min(GROUPS) {
+            let mut square = V::splat(0.0);
+            for entry in (0..9).filter(|entry| entry / 3 < D && entry % 3 < D) {
+                let rate = V::load(&gradient[entry][group]);
+                square = rate.mul_add(rate, square);
+            }
+            let square = square.array();
+            for lane in 0..(state.len - 4 * group).min(4) {
+                largest[lane] = larger(largest[lane], square[lane]);
+            }
+        }
+        self.report.rate = largest.into_iter().fold(self.report.rate, larger);
+        if self.seen.description == Description::Total {
+            self.report.thinnest = self.report.thinnest.min(thinnest(state));
+        }
+    }
+
+    /// x += dx.
+    #[inline(always)]
+    fn advance<V: Wide>(&mut self) {
+        let [lower, upper] = self.frame.walls.map(|wall| V::load(&wall));
+        // SAFETY: as in `places`.
+        let position = unsafe { self.lent.position.part(self.range.clone()) };
+        let displacement = &self.seen.displacement[self.range.clone()];
+        for (p, (position, dx)) in position.iter_mut().zip(displacement).enumerate() {
+            let place = V::load(position);
+            let place = (place + V::load(dx)).with_last(place);
+            place.store(position);
+            if !place.inside(lower, upper) {
+                self.report.escaped.get_or_insert(self.range.start + p);
+            }
+        }
+    }
+
+    /// P2G of mass and momentum, and of forces.
+    #[inline(always)]
+    fn scatter<V: Wide, const MOTION: bool, const FORCE: bool, const AFFINE: bool>(&mut self) {
+        if self.report.escaped.is_some() {
+            return;
+        }
+        let (frame, nodes) = (self.frame, self.lent.nodes);
+        let (inverse, spacing) = (-frame.inverse_spacing, V::splat(frame.spacing));
+        let moments = FORCE && self.points.moments;
+        let velocity = &self.seen.velocity[self.range.clone()];
+        let records = &self.scratch.records;
+        for (p, (place, v)) in self.places().iter().zip(velocity).take(LANES).enumerate() {
+            let mut stencil = frame.stencil::<V, D, W, S>(V::load(place));
+            let mass = V::splat(place[3]);
+            let mut parcel = Parcel {
+                motion: mass * V::load(v).with_last(V::splat(1.0)),
+                spread: [V::splat(0.0); D],
+                force: [V::splat(0.0); D],
+            };
+            if AFFINE {
+                for axis in 0..D {
+                    // SAFETY: as in `places`.
+                    let matrix = unsafe { self.lent.matrix[axis].part(self.range.clone()) };
+                    let spread = mass * spacing * V::load(&matrix[p]);
+                    let offset = V::splat(-stencil.offset(axis));
+                    parcel.motion = offset.mul_add(spread, parcel.motion);
+                    parcel.spread[axis] = spread;
+                }
+            }
+            if FORCE {
+                let factor = V::splat(inverse * v[3]);
+                for axis in 0..D {
+                    parcel.force[axis] = factor * V::load(&records[axis][p]);
+                }
+                if moments {
+                    stencil = stencil.affine::<V, S>();
+                }
+            }
+            scatter_one::<V, D, W, MOTION, FORCE, AFFINE>(&stencil, &parcel, nodes);
+        }
+    }
+}
+
+/// What one particle gives to the nodes.
+#[derive(Clone, Copy)]
+struct Parcel<V, const D: usize> {
+    /// m v and m; with an affine field m v is that at the first node.
+    motion: V,
+    /// Change of m v from node to node along each axis.
+    spread: [V; D],
+    /// -V0 J sigma_{.j} / h of each axis j: the force is the sum over j of this times dN/dr_j.
+    force: [V; D],
+}
+
+/// motion += N (m v, m), force -= V sigma grad N, for one particle (line 5).
+#[inline(always)]
+fn scatter_one<
+    V: Wide,
+    const D: usize,
+    const W: usize,
+    const MOTION: bool,
+    const FORCE: bool,
+    const AFFINE: bool,
+>(
+    stencil: &Stencil<D, W>,
+    parcel: &Parcel<V, D>,
+    nodes: Shared<'_, Node>,
+) {
+    for number in 0..Stencil::<D, W>::ROWS {
+        let row = stencil.row(number);
+        // SAFETY: tiles of one colour share no node (see `tiles`).
+        let nodes = unsafe { nodes.row::<W>(row.first) };
+        let value = V::splat(row.value);
+        let mut motion = parcel.motion;
+        if AFFINE {
+            for axis in 0..D - 1 {
+                motion = V::splat(row.outer[axis]).mul_add(parcel.spread[axis], motion);
+            }
+        }
+        let mut motion = value * motion;
+        let step = value * parcel.spread[D - 1];
+        let steep = value * parcel.force[D - 1];
+        let mut flat = V::splat(0.0);
+        if FORCE {
+            for axis in 0..D - 1 {
+                flat = V::splat(row.slope[axis]).mul_add(parcel.force[axis], flat);
+            }
+        }
+        for k in 0..W {
+            let (value, slope) = (V::splat(stencil.value(k)), V::splat(stencil.slope(k)));
+            let node = &mut nodes[k];
+            if MOTION {
+                value.mul_add(motion, V::load(&node.motion)).store(&mut node.motion);
+                if AFFINE {
+                    motion = motion + step;
+                }
+            }
+            if FORCE {
+                let force = slope.mul_add(steep, V::load(&node.change));
+                let force = if D > 1 { value.mul_add(flat, force) } else { force };
+                force.store(&mut node.change);
+            }
+        }
+    }
+}
+
+/// sum v (x) dN/dr of one particle: column j is the derivative along axis j, in velocity per node
+/// spacing.
+#[inline(always)]
+pub fn gradient_of<V: Wide, const D: usize, const W: usize>(
+    stencil: &Stencil<D, W>,
+    mapped: &[[f64; 4]],
+) -> [V; D] {
+    let mut columns = [V::splat(0.0); D];
+    for number in 0..Stencil::<D, W>::ROWS {
+        let row = stencil.row(number);
+        let nodes = &mapped[row.first..row.first + W];
+        let (mut flat, mut steep) = (V::splat(0.0), V::splat(0.0));
+        for (k, node) in nodes.iter().enumerate() {
+            let node = V::load(node);
+            flat = V::splat(stencil.value(k)).mul_add(node, flat);
+            steep = V::splat(stencil.slope(k)).mul_add(node, steep);
+        }
+        for axis in 0..D - 1 {
+            columns[axis] = V::splat(row.slope[axis]).mul_add(flat, columns[axis]);
+        }
+        columns[D - 1] = V::splat(row.value).mul_add(steep, columns[D - 1]);
+    }
+    columns
+}
+
+/// sum N q of one particle.
+#[inline(always)]
+pub fn average_of<const D: usize, const W: usize>(stencil: &Stencil<D, W>, nodes: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    for number in 0..Stencil::<D, W>::ROWS {
+        let row = stencil.row(number);
+        let along = nodes[row.first..row.first + W].iter().enumerate();
+        sum += row.value * along.map(|(k, node)| stencil.value(k) * node).sum::<f64>();
+    }
+    sum
+}
+
+/// force += N mbp: the external forces that fixes gave to particles (H1).
+pub fn external_forces(tiles: &mut Tiles, world: &mut World) {
+    by_kind!(world.domain.dimension, world.method.shape, external_of, tiles, world);
+}
+
+fn external_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
+    tiles: &mut Tiles,
+    world: &mut World,
+) {
+    let World { particles, grid, method, .. } = world;
+    let places = if method.total { &particles.reference } else { &particles.position };
+    let nodes = Shared::new(&mut grid.nodes);
+    let external = Shared::new(&mut grid.external);
+    let force = [Column::Bx, Column::By, Column::Bz].map(|column| particles.column(column));
+    tiles.sweep(|tile, _| {
+        for p in tile.range {
+            let force: [f64; 3] = force.map(|column| column.get(p).copied().unwrap_or(0.0));
+            let stencil = tile.frame.stencil::<Plain, D, W, S>(Plain::load(&places[p]));
+            for row in (0..Stencil::<D, W>::ROWS).map(|number| stencil.row(number)) {
+                // SAFETY: tiles of one colour share no node (see `tiles`).
+                let nodes = unsafe { nodes.row::<W>(row.first) };
+                for (k, node) in nodes.iter_mut().enumerate() {
+                    for axis in 0..D {
+                        node.change[axis] += row.value * stencil.value(k) * force[axis];
+                    }
+                }
+                if !external.is_empty() {
+                    // SAFETY: as above.
+                    let nodes = unsafe { external.row::<W>(row.first) };
+                    for (k, node) in nodes.iter_mut().enumerate() {
+                        for axis in 0..D {
+                            node[axis] += row.value * stencil.value(k) * force[axis];
+                        }
+                    }
+                }
+            }
+        }
+    });
+}
+
+/// What limits the time step in the present state, by lattice: before the first step of a run.
+pub fn at_rest(world: &World) -> Vec<Report> {
+    let lattices = if world.method.total { world.solids.len() } else { 1 };
+    let mut reports = vec![Report::default(); lattices];
+    let mut speed = NOTHING;
+    world.each_chunk(|range, solid, state| {
+        let number = world.particles.solid[range.start] as usize;
+        let report = &mut reports[if world.method.total { number } else { 0 }];
+        solid.law.wave_speed(state, &mut speed);
+        for (speed, v) in speed.as_flattened().iter().zip(&world.particles.velocity[range]) {
+            let fastest = speed + v[0].abs().max(v[1].abs()).max(v[2].abs());
+            report.fastest = report.fastest.max(fastest);
+        }
+        if world.method.total {
+            report.thinnest = report.thinnest.min(thinnest(state));
+        }
+    });
+    reports
+}

@@ -1,0 +1,215 @@
+//! The state of up to 64 particles of one law, in memory that fits the nearest cache.
+
+use crate::math::tensor::Tensor;
+use crate::math::v4::Wide;
+use crate::model::column::{COLUMNS, Column, ColumnSet};
+
+/// Particles per call of a law.
+pub const LANES: usize = 64;
+
+/// Groups of four among them.
+pub const GROUPS: usize = LANES / 4;
+
+/// One number per particle of a chunk, in groups of four.
+pub type Lane = [[f64; 4]; GROUPS];
+
+/// Zero for every particle.
+pub const NOTHING: Lane = [[0.0; 4]; GROUPS];
+
+/// The columns F11, F12, ... of F, in the order of its entries 3 i + j.
+pub const DEFORMATION: [Column; 9] = {
+    use Column::*;
+    [F11, F12, F13, F21, F22, F23, F31, F32, F33]
+};
+
+/// The columns of the stress, in the order 11, 22, 33, 12, 13, 23.
+pub const STRESS: [Column; 6] = {
+    use Column::*;
+    [S11, S22, S33, S12, S13, S23]
+};
+
+/// The columns of the elastic strain, in the same order.
+pub const STRAIN: [Column; 6] = {
+    use Column::*;
+    [E11, E22, E33, E12, E13, E23]
+};
+
+/// Index into [`STRESS`] of entry 3 i + j of the symmetric tensor.
+pub const SYMMETRIC: [usize; 9] = [0, 3, 4, 3, 1, 5, 4, 5, 2];
+
+/// Columns of up to [`LANES`] particles. A column that the scene does not have reads as its initial
+/// value.
+pub struct State {
+    /// 1, 2 (plane strain) or 3.
+    pub dimension: usize,
+    /// Number of particles; lanes beyond hold numbers without meaning.
+    pub len: usize,
+    columns: [Lane; COLUMNS],
+    loaded: ColumnSet,
+}
+
+impl Default for State {
+    fn default() -> Self {
+        let columns =
+            std::array::from_fn(|column| [[Column::ALL[column].info().initial; 4]; GROUPS]);
+        Self { dimension: 0, len: 0, columns, loaded: ColumnSet::default() }
+    }
+}
+
+impl State {
+    /// Reads `len` particles: the columns of `set` from their slices, initial values elsewhere.
+    #[inline]
+    pub fn load<'a>(
+        &mut self,
+        dimension: usize,
+        len: usize,
+        set: ColumnSet,
+        slice: impl Fn(Column) -> &'a [f64],
+    ) {
+        (self.dimension, self.len) = (dimension, len);
+        for column in self.loaded.without(set).iter() {
+            self.columns[column as usize] = [[column.info().initial; 4]; GROUPS];
+        }
+        self.loaded = set;
+        for column in set.iter() {
+            let lane = self.columns[column as usize].as_flattened_mut();
+            lane[..len].copy_from_slice(&slice(column)[..len]);
+        }
+    }
+
+    /// Does the scene have the column?
+    #[inline]
+    pub fn has(&self, column: Column) -> bool {
+        self.loaded.contains(column)
+    }
+
+    /// The particles' values of a column.
+    #[inline]
+    pub fn values(&self, column: Column) -> &[f64] {
+        &self.columns[column as usize].as_flattened()[..self.len]
+    }
+
+    /// Groups of four that hold particles.
+    #[inline]
+    pub fn groups(&self) -> std::ops::Range<usize> {
+        0..self.len.div_ceil(4).min(GROUPS)
+    }
+
+    /// A column in groups of four.
+    #[inline(always)]
+    pub fn lane(&self, column: Column) -> &Lane {
+        &self.columns[column as usize]
+    }
+
+    /// A column in groups of four, to write.
+    #[inline(always)]
+    pub fn lane_mut(&mut self, column: Column) -> &mut Lane {
+        &mut self.columns[column as usize]
+    }
+
+    /// Four particles' values of a column.
+    #[inline(always)]
+    pub fn four<V: Wide>(&self, column: Column, group: usize) -> V {
+        V::load(&self.columns[column as usize][group])
+    }
+
+    /// Sets four particles' values of a column.
+    #[inline(always)]
+    pub fn set_four<V: Wide>(&mut self, column: Column, group: usize, value: V) {
+        value.store(&mut self.columns[column as usize][group]);
+    }
+
+    /// Four particles' F.
+    #[inline(always)]
+    pub fn deformation_of_four<V: Wide>(&self, group: usize) -> [V; 9] {
+        DEFORMATION.map(|column| self.four(column, group))
+    }
+
+    /// Value of particle `p`.
+    pub fn value(&self, column: Column, p: usize) -> f64 {
+        self.columns[column as usize][p / 4][p % 4]
+    }
+
+    /// F of particle `p`.
+    pub fn deformation(&self, p: usize) -> Tensor {
+        Tensor::from_fn(|i, j| self.value(DEFORMATION[3 * i + j], p))
+    }
+
+    /// The stress of particle `p`, in the axes in which it is kept.
+    pub fn stress(&self, p: usize) -> Tensor {
+        Tensor::from_fn(|i, j| self.value(STRESS[SYMMETRIC[3 * i + j]], p))
+    }
+
+    /// The stored elastic strain of particle `p`, in the axes of the stress.
+    pub fn strain(&self, p: usize) -> Tensor {
+        Tensor::from_fn(|i, j| self.value(STRAIN[SYMMETRIC[3 * i + j]], p))
+    }
+
+    /// Sets F of particle `p`.
+    pub fn set_deformation(&mut self, p: usize, f: &Tensor) {
+        for (entry, column) in DEFORMATION.into_iter().enumerate() {
+            self.columns[column as usize][p / 4][p % 4] = f[(entry / 3, entry % 3)];
+        }
+    }
+
+    /// Sets six columns of particle `p` to a symmetric tensor.
+    pub fn set_symmetric(&mut self, columns: [Column; 6], p: usize, value: &Tensor) {
+        let places = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+        for (column, place) in columns.into_iter().zip(places) {
+            self.columns[column as usize][p / 4][p % 4] = value[place];
+        }
+    }
+}
+
+/// A chunk of particles of one law, to be advanced by dt.
+pub struct Chunk<'a> {
+    /// Their state.
+    pub state: &'a mut State,
+    /// Size of the step \[T\].
+    pub dt: f64,
+    /// Entry 3 i + j of the velocity gradient \[1/T\], in the axes in which the stress is kept;
+    /// entries beyond the dimension are 0.
+    pub gradient: &'a mut [Lane; 9],
+    /// Total Lagrangian: R of F = R U; what stands here otherwise has no meaning.
+    pub rotation: &'a mut [Lane; 9],
+    /// First particle with J <= 0 or a value that is not finite.
+    pub failed: Option<usize>,
+}
+
+impl Chunk<'_> {
+    /// Velocity gradient of particle `p`.
+    pub fn velocity_gradient(&self, p: usize) -> Tensor {
+        Tensor::from_fn(|i, j| self.gradient[3 * i + j][p / 4][p % 4])
+    }
+
+    /// Notes the first particle whose J is not a positive finite number.
+    #[inline]
+    pub fn check_volume(&mut self) {
+        let good = |value: &f64| (*value > 0.0) & (*value < f64::INFINITY);
+        let values = self.state.values(Column::J);
+        // Without a branch per value, since all are good nearly always.
+        if !values.iter().fold(true, |all, value| all & good(value)) {
+            self.failed = self.failed.or(values.iter().position(|value| !good(value)));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_that_are_not_there_read_as_new_particles_do() {
+        let mut set = ColumnSet::default();
+        set.extend(&[Column::F11, Column::J]);
+        let mut state = State::default();
+        state.load(3, 5, set, |_| &[2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert_eq!((state.value(Column::F11, 4), state.value(Column::F22, 4)), (6.0, 1.0));
+        assert_eq!(state.groups(), 0..2);
+        let mut other = ColumnSet::default();
+        other.insert(Column::J);
+        state.load(3, 1, other, |_| &[7.0]);
+        assert_eq!((state.value(Column::F11, 0), state.value(Column::J, 0)), (1.0, 7.0));
+        assert_eq!(state.values(Column::J), [7.0]);
+    }
+}
