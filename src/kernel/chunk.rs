@@ -4,10 +4,10 @@
 //! one quantity at a time, with four particles side by side. Here 4 x 4 blocks are turned over.
 
 use crate::material::kinematics::Description;
-use crate::material::state::{STRESS, SYMMETRIC};
+use crate::material::state::{STRESS, load_tensor, symmetric_tensor};
 use crate::material::{Chunk, GROUPS, LANES, Lane, Law, NOTHING, State};
 use crate::math::v4::{Sweep, Wide, dispatch};
-use crate::math::wide::{cofactors, product, product_transposed};
+use crate::math::wide::{cofactors, in_space, product, product_transposed};
 use crate::model::column::Column;
 use std::cell::RefCell;
 
@@ -64,7 +64,10 @@ impl Scratch {
 pub fn spread<V: Wide, const D: usize>(records: &Records, gradient: &mut [Lane; 9], groups: usize) {
     for group in 0..groups.min(GROUPS) {
         for j in 0..D {
-            let four = [0, 1, 2, 3].map(|p| V::load(&records[j][4 * group + p]));
+            let mut four = [V::splat(0.0); 4];
+            for p in 0..4 {
+                four[p] = V::load(&records[j][4 * group + p]);
+            }
             let rows = V::transpose(four);
             for i in 0..D {
                 rows[i].store(&mut gradient[3 * i + j][group]);
@@ -72,8 +75,10 @@ pub fn spread<V: Wide, const D: usize>(records: &Records, gradient: &mut [Lane; 
         }
     }
     // Entries beyond the dimension may hold numbers of another scene.
-    for entry in (0..9).filter(|entry| entry / 3 >= D || entry % 3 >= D) {
-        gradient[entry][..groups.min(GROUPS)].fill([0.0; 4]);
+    for entry in 0..9 {
+        if !in_space::<D>(entry) {
+            gradient[entry][..groups.min(GROUPS)].fill([0.0; 4]);
+        }
     }
 }
 
@@ -113,12 +118,12 @@ impl<const D: usize> Stresses<'_, D> {
     fn groups<V: Wide, const TOTAL: bool, const TURNED: bool>(self) {
         let Scratch { state, rotation, records, .. } = self.scratch;
         for group in state.groups() {
-            let six: [V; 6] = STRESS.map(|column| state.four(column, group));
-            let sigma: [V; 9] = SYMMETRIC.map(|index| six[index]);
+            let mut six: [V; 6] = state.fours(STRESS, group);
             let tensor = if TOTAL {
+                let sigma = symmetric_tensor(six);
                 let (cofactor, _) = cofactors::<V, D>(&state.deformation_of_four(group));
                 let sigma = if TURNED {
-                    let r = std::array::from_fn(|entry| V::load(&rotation[entry][group]));
+                    let r = load_tensor(rotation, group);
                     product_transposed::<V, D>(&product::<V, D>(&r, &sigma), &r)
                 } else {
                     sigma
@@ -126,12 +131,17 @@ impl<const D: usize> Stresses<'_, D> {
                 product::<V, D>(&sigma, &cofactor)
             } else {
                 let j: V = state.four(Column::J, group);
-                sigma.map(|entry| j * entry)
+                for entry in &mut six {
+                    *entry = j * *entry;
+                }
+                symmetric_tensor(six)
             };
             for j in 0..D {
-                let zero = V::splat(0.0);
-                let entry = |i: usize| if i < D { tensor[3 * i + j] } else { zero };
-                let four = V::transpose([entry(0), entry(1), entry(2), zero]);
+                let mut column = [V::splat(0.0); 4];
+                for i in 0..D {
+                    column[i] = tensor[3 * i + j];
+                }
+                let four = V::transpose(column);
                 for p in 0..4 {
                     four[p].store(&mut records[j][4 * group + p]);
                 }

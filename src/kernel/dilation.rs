@@ -46,10 +46,11 @@ fn sweep_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
                 for (p, place) in places[range].iter().take(LANES).enumerate() {
                     let stencil = tile.frame.stencil::<Plain, D, W, S>(Plain::load(place));
                     let amount = place[3] * scratch.numbers[p / 4][p % 4];
-                    for row in (0..W.pow(D as u32 - 1)).map(|number| stencil.row(number)) {
-                        // SAFETY: tiles of one colour share no node (see `tiles`).
-                        let nodes = unsafe { dilation.row::<W>(row.first) };
-                        for (k, node) in nodes.iter_mut().enumerate() {
+                    // SAFETY: tiles of one colour share no node (see `tiles`).
+                    let mut rows = unsafe { stencil.of_shared(&dilation) };
+                    for number in 0..W.pow(D as u32 - 1) {
+                        let row = stencil.row(number);
+                        for (k, node) in rows.row(number).iter_mut().enumerate() {
                             *node += row.value * stencil.value(k) * amount;
                         }
                     }
@@ -88,12 +89,21 @@ fn trace_of<V: Wide, const D: usize>(
 ) -> V {
     let rate = |entry: usize| V::load(&scratch.gradient[entry][group]);
     if description != Description::Total {
-        return (1..D).fold(rate(0), |trace, axis| trace + rate(4 * axis));
+        let mut trace = rate(0);
+        for axis in 1..D {
+            trace = trace + rate(4 * axis);
+        }
+        return trace;
     }
     let f: Four<V> = scratch.state.deformation_of_four(group);
     let (cofactor, j) = cofactors::<V, D>(&f);
-    let entries = (0..9).filter(|entry| in_space::<D>(*entry));
-    entries.fold(V::splat(0.0), |sum, entry| rate(entry).mul_add(cofactor[entry], sum)) / j
+    let mut trace = V::splat(0.0);
+    for entry in 0..9 {
+        if in_space::<D>(entry) {
+            trace = rate(entry).mul_add(cofactor[entry], trace);
+        }
+    }
+    trace / j
 }
 
 /// L <- L + (theta - tr L)/d I with theta in `numbers`; total Lagrangian:

@@ -84,19 +84,20 @@ impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
         for place in self.places {
             let stencil = self.frame.stencil::<V, D, W, S>(V::load(place));
             let mut velocity = V::splat(0.0);
+            let rows = stencil.of(self.from);
             for number in 0..Stencil::<D, W>::ROWS {
                 let row = stencil.row(number);
-                for (k, node) in self.from[row.first..row.first + W].iter().enumerate() {
+                for (k, node) in rows.row(number).iter().enumerate() {
                     let weight = V::splat(row.value * stencil.value(k));
                     velocity = weight.mul_add(V::load(node), velocity);
                 }
             }
             let momentum = V::splat(place[3]) * velocity;
+            // SAFETY: tiles of one colour share no node (see `tiles`).
+            let mut rows = unsafe { stencil.of_shared(&self.to) };
             for number in 0..Stencil::<D, W>::ROWS {
                 let row = stencil.row(number);
-                // SAFETY: tiles of one colour share no node (see `tiles`).
-                let nodes = unsafe { self.to.row::<W>(row.first) };
-                for (k, node) in nodes.iter_mut().enumerate() {
+                for (k, node) in rows.row(number).iter_mut().enumerate() {
                     let weight = V::splat(row.value * stencil.value(k));
                     weight.mul_add(momentum, V::load(node)).store(node);
                 }

@@ -4,7 +4,7 @@ use super::by_kind;
 use super::shared::Shared;
 use super::stencil::{Frame, Stencil};
 use super::tiles::{Report, Tiles};
-use crate::math::v4::{Sweep, Wide, dispatch};
+use crate::math::v4::{Sweep, Wide, dispatch, splats};
 use crate::model::grid::Node;
 use crate::shape::Shape;
 use crate::transfer::{Transfer, TransferKind};
@@ -133,7 +133,7 @@ impl<const D: usize, const W: usize, S: Shape<W>> Part<'_, D, W, S> {
     fn particles<V: Wide, const SCATTER: bool, const AFFINE: bool>(self) {
         let Self { places, velocity, displacement, matrix, nodes, mapped, frame, .. } = self;
         let Gather { dt, velocity: mix, own_path, .. } = self.numbers;
-        let [dt, grid, old, change] = [dt, mix.grid, mix.old, mix.change].map(V::splat);
+        let [dt, grid, old, change] = splats::<V, 4>([dt, mix.grid, mix.old, mix.change]);
         let path = V::splat(if own_path { 1.0 } else { 0.0 });
         let (mut farthest, mut watch) = (V::splat(0.0), V::splat(0.0));
         let particles = places.iter().zip(velocity).zip(displacement).enumerate();
@@ -176,12 +176,14 @@ fn gather_one<V: Wide, const D: usize, const W: usize, const AFFINE: bool>(
     nodes: &[Node],
 ) -> Gathered<V, D> {
     let zero = V::splat(0.0);
+    let rows = stencil.of(nodes);
     let mut sum = Gathered { w: zero, a: zero, matrix: [zero; D] };
     for number in 0..Stencil::<D, W>::ROWS {
         let row = stencil.row(number);
-        let nodes = &nodes[row.first..row.first + W];
         let (mut w, mut a, mut slope) = (zero, zero, zero);
-        for (k, node) in nodes.iter().enumerate() {
+        let nodes = rows.row(number);
+        for k in 0..W {
+            let node = &nodes[k];
             let weight = V::splat(stencil.value(k));
             let motion = V::load(&node.motion);
             w = weight.mul_add(motion, w);
@@ -218,10 +220,10 @@ fn scatter_one<V: Wide, const D: usize, const W: usize, const AFFINE: bool>(
             first = V::splat(-stencil.offset(axis)).mul_add(spread[axis], first);
         }
     }
+    // SAFETY: tiles of one colour share no node (see `tiles`).
+    let mut rows = unsafe { stencil.of_shared(&mapped) };
     for number in 0..Stencil::<D, W>::ROWS {
         let row = stencil.row(number);
-        // SAFETY: tiles of one colour share no node (see `tiles`).
-        let nodes = unsafe { mapped.row::<W>(row.first) };
         let mut momentum = first;
         if AFFINE {
             for axis in 0..D - 1 {
@@ -230,7 +232,9 @@ fn scatter_one<V: Wide, const D: usize, const W: usize, const AFFINE: bool>(
         }
         let value = V::splat(row.value);
         let (mut momentum, step) = (value * momentum, value * spread[D - 1]);
-        for (k, node) in nodes.iter_mut().enumerate() {
+        let nodes = rows.row(number);
+        for k in 0..W {
+            let node = &mut nodes[k];
             V::splat(stencil.value(k)).mul_add(momentum, V::load(node)).store(node);
             if AFFINE {
                 momentum = momentum + step;

@@ -8,6 +8,7 @@ use super::tiles::{Report, Tile, Tiles};
 use crate::material::kinematics::thinnest;
 use crate::material::{Description, GROUPS, LANES, NOTHING};
 use crate::math::v4::{Plain, Sweep, Wide, dispatch};
+use crate::math::wide::in_space;
 use crate::model::column::{COLUMNS, Column, ColumnSet};
 use crate::model::grid::Node;
 use crate::shape::Shape;
@@ -311,9 +312,11 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
         let mut largest = [0.0; 4];
         for group in 0..state.groups().end.min(GROUPS) {
             let mut square = V::splat(0.0);
-            for entry in (0..9).filter(|entry| entry / 3 < D && entry % 3 < D) {
-                let rate = V::load(&gradient[entry][group]);
-                square = rate.mul_add(rate, square);
+            for entry in 0..9 {
+                if in_space::<D>(entry) {
+                    let rate = V::load(&gradient[entry][group]);
+                    square = rate.mul_add(rate, square);
+                }
             }
             let square = square.array();
             for lane in 0..(state.len - 4 * group).min(4) {
@@ -329,7 +332,7 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
     /// x += dx.
     #[inline(always)]
     fn advance<V: Wide>(&mut self) {
-        let [lower, upper] = self.frame.walls.map(|wall| V::load(&wall));
+        let (lower, upper) = (V::load(&self.frame.walls[0]), V::load(&self.frame.walls[1]));
         // SAFETY: as in `places`.
         let position = unsafe { self.lent.position.part(self.range.clone()) };
         let displacement = &self.seen.displacement[self.range.clone()];
@@ -411,10 +414,10 @@ fn scatter_one<
     parcel: &Parcel<V, D>,
     nodes: Shared<'_, Node>,
 ) {
+    // SAFETY: tiles of one colour share no node (see `tiles`).
+    let mut rows = unsafe { stencil.of_shared(&nodes) };
     for number in 0..Stencil::<D, W>::ROWS {
         let row = stencil.row(number);
-        // SAFETY: tiles of one colour share no node (see `tiles`).
-        let nodes = unsafe { nodes.row::<W>(row.first) };
         let value = V::splat(row.value);
         let mut motion = parcel.motion;
         if AFFINE {
@@ -431,6 +434,7 @@ fn scatter_one<
                 flat = V::splat(row.slope[axis]).mul_add(parcel.force[axis], flat);
             }
         }
+        let nodes = rows.row(number);
         for k in 0..W {
             let (value, slope) = (V::splat(stencil.value(k)), V::splat(stencil.slope(k)));
             let node = &mut nodes[k];
@@ -456,13 +460,14 @@ pub fn gradient_of<V: Wide, const D: usize, const W: usize>(
     stencil: &Stencil<D, W>,
     mapped: &[[f64; 4]],
 ) -> [V; D] {
+    let rows = stencil.of(mapped);
     let mut columns = [V::splat(0.0); D];
     for number in 0..Stencil::<D, W>::ROWS {
         let row = stencil.row(number);
-        let nodes = &mapped[row.first..row.first + W];
+        let nodes = rows.row(number);
         let (mut flat, mut steep) = (V::splat(0.0), V::splat(0.0));
-        for (k, node) in nodes.iter().enumerate() {
-            let node = V::load(node);
+        for k in 0..W {
+            let node = V::load(&nodes[k]);
             flat = V::splat(stencil.value(k)).mul_add(node, flat);
             steep = V::splat(stencil.slope(k)).mul_add(node, steep);
         }
@@ -477,10 +482,10 @@ pub fn gradient_of<V: Wide, const D: usize, const W: usize>(
 /// sum N q of one particle.
 #[inline(always)]
 pub fn average_of<const D: usize, const W: usize>(stencil: &Stencil<D, W>, nodes: &[f64]) -> f64 {
-    let mut sum = 0.0;
+    let (rows, mut sum) = (stencil.of(nodes), 0.0);
     for number in 0..Stencil::<D, W>::ROWS {
         let row = stencil.row(number);
-        let along = nodes[row.first..row.first + W].iter().enumerate();
+        let along = rows.row(number).iter().enumerate();
         sum += row.value * along.map(|(k, node)| stencil.value(k) * node).sum::<f64>();
     }
     sum
@@ -504,20 +509,18 @@ fn external_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
         for p in tile.range {
             let force: [f64; 3] = force.map(|column| column.get(p).copied().unwrap_or(0.0));
             let stencil = tile.frame.stencil::<Plain, D, W, S>(Plain::load(&places[p]));
-            for row in (0..Stencil::<D, W>::ROWS).map(|number| stencil.row(number)) {
-                // SAFETY: tiles of one colour share no node (see `tiles`).
-                let nodes = unsafe { nodes.row::<W>(row.first) };
-                for (k, node) in nodes.iter_mut().enumerate() {
+            // SAFETY: tiles of one colour share no node (see `tiles`).
+            let mut rows = unsafe { stencil.of_shared(&nodes) };
+            // SAFETY: as above.
+            let mut apart = (!external.is_empty()).then(|| unsafe { stencil.of_shared(&external) });
+            for number in 0..Stencil::<D, W>::ROWS {
+                let row = stencil.row(number);
+                for k in 0..W {
                     for axis in 0..D {
-                        node.change[axis] += row.value * stencil.value(k) * force[axis];
-                    }
-                }
-                if !external.is_empty() {
-                    // SAFETY: as above.
-                    let nodes = unsafe { external.row::<W>(row.first) };
-                    for (k, node) in nodes.iter_mut().enumerate() {
-                        for axis in 0..D {
-                            node[axis] += row.value * stencil.value(k) * force[axis];
+                        let share = row.value * stencil.value(k) * force[axis];
+                        rows.row(number)[k].change[axis] += share;
+                        if let Some(external) = &mut apart {
+                            external.row(number)[k][axis] += share;
                         }
                     }
                 }

@@ -16,7 +16,7 @@ pub struct Shared<'a, T> {
 }
 
 // SAFETY: a `Shared` is an exclusive borrow whose parts are handed out under the contract of
-// `part` and `row`; sending or sharing it moves nothing that `T: Send` does not allow.
+// `part` and `rows`; sending or sharing it moves nothing that `T: Send` does not allow.
 unsafe impl<T: Send> Send for Shared<'_, T> {}
 unsafe impl<T: Send> Sync for Shared<'_, T> {}
 
@@ -56,16 +56,89 @@ impl<'a, T> Shared<'a, T> {
         unsafe { std::slice::from_raw_parts_mut(self.start.add(range.start), range.len()) }
     }
 
-    /// `W` consecutive elements to write.
+    /// The rows of a stencil, to write.
     ///
     /// # Safety
-    /// As for [`Shared::part`].
+    /// As for [`Shared::part`], for the nodes of the stencil.
+    ///
+    /// # Panics
+    /// If a row lies beyond the memory.
     #[inline(always)]
-    #[allow(clippy::mut_from_ref, reason = "the caller promises that parts in use are disjoint")]
-    pub unsafe fn row<const W: usize>(&self, first: usize) -> &mut [T; W] {
-        assert!(first < self.len && W <= self.len - first);
-        // SAFETY: in bounds; exclusive by the contract of this function.
-        unsafe { &mut *self.start.add(first).cast::<[T; W]>() }
+    pub unsafe fn rows<const D: usize, const W: usize>(
+        &self,
+        base: usize,
+        stride: [usize; 2],
+    ) -> RowsMut<'a, T, D, W> {
+        assert!(holds::<D, W>(self.len, base, stride));
+        // SAFETY: `base` is in bounds.
+        RowsMut { start: unsafe { self.start.add(base) }, stride, lent: PhantomData }
+    }
+}
+
+/// Do `len` elements hold all rows that begin at `base`?
+#[inline(always)]
+fn holds<const D: usize, const W: usize>(len: usize, base: usize, stride: [usize; 2]) -> bool {
+    // Strides are sizes of arrays: products with W do not overflow.
+    let last = match D {
+        1 => W,
+        2 => (W - 1) * stride[0] + W,
+        _ => (W - 1) * (stride[0] + stride[1]) + W,
+    };
+    base < len && last <= len - base
+}
+
+/// Distance of a row from the first one.
+#[inline(always)]
+fn offset<const D: usize, const W: usize>(number: usize, stride: [usize; 2]) -> usize {
+    assert!(number < W.pow(D as u32 - 1));
+    match D {
+        1 => 0,
+        2 => number * stride[0],
+        _ => number / W * stride[0] + number % W * stride[1],
+    }
+}
+
+/// The rows of `W` nodes that a stencil sees, to read: their bounds are checked once.
+#[derive(Clone, Copy)]
+pub struct Rows<'a, T, const D: usize, const W: usize> {
+    start: *const T,
+    stride: [usize; 2],
+    lent: PhantomData<&'a [T]>,
+}
+
+impl<'a, T, const D: usize, const W: usize> Rows<'a, T, D, W> {
+    /// The rows that begin at `base`, with strides along the outer axes.
+    ///
+    /// # Panics
+    /// If a row lies beyond the slice.
+    #[inline(always)]
+    pub fn new(nodes: &'a [T], base: usize, stride: [usize; 2]) -> Self {
+        assert!(holds::<D, W>(nodes.len(), base, stride));
+        Self { start: nodes[base..].as_ptr(), stride, lent: PhantomData }
+    }
+
+    /// A row, counted with the first axis outermost.
+    #[inline(always)]
+    pub fn row(&self, number: usize) -> &'a [T; W] {
+        // SAFETY: `new` has checked the last row, the others lie before it.
+        unsafe { &*self.start.add(offset::<D, W>(number, self.stride)).cast::<[T; W]>() }
+    }
+}
+
+/// The rows of `W` nodes that a stencil sees, to write: their bounds are checked once.
+pub struct RowsMut<'a, T, const D: usize, const W: usize> {
+    start: *mut T,
+    stride: [usize; 2],
+    lent: PhantomData<&'a mut [T]>,
+}
+
+impl<T, const D: usize, const W: usize> RowsMut<'_, T, D, W> {
+    /// A row, counted with the first axis outermost.
+    #[inline(always)]
+    pub fn row(&mut self, number: usize) -> &mut [T; W] {
+        // SAFETY: `Shared::rows` has checked the last row, the others lie before it, and its caller
+        // promises that nobody else uses them.
+        unsafe { &mut *self.start.add(offset::<D, W>(number, self.stride)).cast::<[T; W]>() }
     }
 }
 
@@ -78,17 +151,28 @@ mod tests {
         let mut numbers = vec![0; 10];
         let shared = Shared::new(&mut numbers);
         // SAFETY: 0..4 and 4..6 do not overlap.
-        let (low, high) = unsafe { (shared.part(0..4), shared.row::<2>(4)) };
+        let (low, mut high) = unsafe { (shared.part(0..4), shared.rows::<1, 2>(4, [0; 2])) };
         low.fill(1);
-        high.fill(2);
+        high.row(0).fill(2);
         assert_eq!(numbers, [1, 1, 1, 1, 2, 2, 0, 0, 0, 0]);
     }
 
     #[test]
-    #[should_panic(expected = "W <= self.len - first")]
-    fn a_row_past_the_end_is_refused() {
-        let mut numbers = vec![0; 3];
-        // SAFETY: never reached.
-        unsafe { Shared::new(&mut numbers).row::<2>(2) };
+    fn rows_are_found_and_rows_past_the_end_are_refused() {
+        // Three planes of 4 x 5 nodes.
+        let numbers: Vec<usize> = (0..60).collect();
+        let rows = Rows::<_, 3, 2>::new(&numbers, 33, [20, 5]);
+        assert_eq!(
+            [rows.row(0), rows.row(1), rows.row(2), rows.row(3)].map(|row| row[1]),
+            [34, 39, 54, 59]
+        );
+        for base in [34, 60, usize::MAX] {
+            let refused =
+                std::panic::catch_unwind(|| Rows::<_, 3, 2>::new(&numbers, base, [20, 5]));
+            assert!(refused.is_err(), "{base}");
+        }
+        assert!(
+            std::panic::catch_unwind(|| Rows::<_, 3, 2>::new(&numbers, 0, [20, 5]).row(4)).is_err()
+        );
     }
 }

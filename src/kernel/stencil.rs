@@ -1,5 +1,6 @@
 //! Which nodes see a particle, with which weights.
 
+use super::shared::{Rows, RowsMut, Shared};
 use crate::math::v4::Wide;
 use crate::model::domain::Domain;
 use crate::model::lattice::Lattice;
@@ -85,11 +86,9 @@ pub struct Stencil<const D: usize, const W: usize> {
     axes: Weights<W>,
 }
 
-/// One row of nodes: its place in memory and the part of the weights that its nodes share.
+/// One row of nodes: the part of the weights that its nodes share.
 #[derive(Clone, Copy)]
 pub struct Row {
-    /// Place of the first node.
-    pub first: usize,
     /// Product of N over the outer axes.
     pub value: f64,
     /// The same with dN/dr on one outer axis.
@@ -126,6 +125,28 @@ impl<const D: usize, const W: usize> Stencil<D, W> {
         }
     }
 
+    /// The rows of nodes, to read.
+    ///
+    /// # Panics
+    /// If one lies beyond the memory.
+    #[inline(always)]
+    pub fn of<'a, T>(&self, nodes: &'a [T]) -> Rows<'a, T, D, W> {
+        Rows::new(nodes, self.base, self.stride)
+    }
+
+    /// The rows of nodes, to write.
+    ///
+    /// # Safety
+    /// While they are in use nobody else may use any of these nodes.
+    ///
+    /// # Panics
+    /// If one lies beyond the memory.
+    #[inline(always)]
+    pub unsafe fn of_shared<'a, T>(&self, nodes: &Shared<'a, T>) -> RowsMut<'a, T, D, W> {
+        // SAFETY: the caller's promise.
+        unsafe { nodes.rows(self.base, self.stride) }
+    }
+
     /// Number of rows.
     pub const ROWS: usize = W.pow(D as u32 - 1);
 
@@ -135,18 +156,15 @@ impl<const D: usize, const W: usize> Stencil<D, W> {
     pub fn row(&self, number: usize) -> Row {
         let Weights { value, slope, .. } = &self.axes;
         match D {
-            1 => Row { first: self.base, value: 1.0, slope: [0.0; 2], outer: [0.0; 2] },
+            1 => Row { value: 1.0, slope: [0.0; 2], outer: [0.0; 2] },
             2 => Row {
-                first: self.base.wrapping_add(number * self.stride[0]),
                 value: value[number][0],
                 slope: [slope[number][0], 0.0],
                 outer: [number as f64, 0.0],
             },
             _ => {
                 let (i, j) = (number / W, number % W);
-                let offset = i * self.stride[0] + j * self.stride[1];
                 Row {
-                    first: self.base.wrapping_add(offset),
                     value: value[i][0] * value[j][1],
                     slope: [slope[i][0] * value[j][1], value[i][0] * slope[j][1]],
                     outer: [i as f64, j as f64],
@@ -167,15 +185,20 @@ mod tests {
         let cells = Domain { dimension: 3, lower: [-1.0; 3], upper: [1.0, 2.0, 3.0], cell: 0.5 };
         let window = Window { lower: [0, 0, 1], size: [5, 7, 8], start: 7 };
         let lattice = Lattice { window, ..Lattice::new(cells, 1) };
+        let at = |place: usize| lattice.place(window.node(place));
         let field = |x: [f64; 3]| 2.0 * x[0] - 3.0 * x[1] + 0.5 * x[2] + 1.0;
         let frame = Frame::new(&lattice, Some(&cells));
         let stencil =
             frame.stencil::<_, 3, W, S>(Plain::load(&[place[0], place[1], place[2], 0.0]));
         for stencil in [stencil, stencil.affine::<Plain, S>()] {
             let (mut value, mut gradient) = (0.0, [0.0; 3]);
-            for row in (0..Stencil::<3, W>::ROWS).map(|number| stencil.row(number)) {
+            let nodes: Vec<[f64; 3]> =
+                (0..window.places().end).map(|p| at(p.max(window.start))).collect();
+            let places = stencil.of(&nodes);
+            for number in 0..Stencil::<3, W>::ROWS {
+                let row = stencil.row(number);
                 for k in 0..W {
-                    let at_node = field(lattice.place(window.node(row.first + k)));
+                    let at_node = field(places.row(number)[k]);
                     value += row.value * stencil.value(k) * at_node;
                     gradient[0] += row.slope[0] * stencil.value(k) * at_node / cells.cell;
                     gradient[1] += row.slope[1] * stencil.value(k) * at_node / cells.cell;

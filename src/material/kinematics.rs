@@ -1,6 +1,8 @@
 //! What happens to F, J and stored stresses before a law acts (language.md 9.1, 9.2).
 
-use super::state::{Chunk, STRAIN, STRESS, State};
+use super::state::{
+    Chunk, DEFORMATION, STRAIN, STRESS, State, load_tensor, store_tensor, symmetric_tensor,
+};
 use super::{Law, StressRate};
 use crate::math::tensor::{Tensor, cayley, logarithmic_spin, rotation};
 use crate::math::v4::{Sweep, Wide, dispatch};
@@ -132,11 +134,14 @@ impl<const D: usize> Sweep for Grow<'_, '_, D> {
 /// I + dt L.
 #[inline(always)]
 fn growth<V: Wide, const D: usize>(gradient: &[super::Lane; 9], dt: V, group: usize) -> Four<V> {
-    std::array::from_fn(|entry| match in_space::<D>(entry) {
-        true if entry % 4 == 0 => dt.mul_add(V::load(&gradient[entry][group]), V::splat(1.0)),
-        true => dt * V::load(&gradient[entry][group]),
-        false => V::splat(0.0),
-    })
+    let mut growth = load_tensor::<V>(gradient, group);
+    for entry in 0..9 {
+        growth[entry] = match entry % 4 {
+            0 => dt.mul_add(growth[entry], V::splat(1.0)),
+            _ => dt * growth[entry],
+        };
+    }
+    growth
 }
 
 /// F <- (I + dt L) F and J.
@@ -166,9 +171,9 @@ impl<const D: usize> Sweep for Stretch<'_, '_, D> {
 
 #[inline(always)]
 fn store_deformation<V: Wide, const D: usize>(state: &mut State, group: usize, f: &Four<V>) {
-    for (entry, column) in super::state::DEFORMATION.into_iter().enumerate() {
+    for entry in 0..9 {
         if in_space::<D>(entry) {
-            state.set_four(column, group, f[entry]);
+            state.set_four(DEFORMATION[entry], group, f[entry]);
         }
     }
 }
@@ -186,9 +191,9 @@ impl<const D: usize> Sweep for Total<'_, '_, D> {
     fn run<V: Wide>(self) {
         let Chunk { state, dt, gradient, rotation, .. } = self.chunk;
         for group in state.groups() {
-            let rate: Four<V> = std::array::from_fn(|entry| V::load(&gradient[entry][group]));
+            let rate: Four<V> = load_tensor(gradient, group);
             let mut f: Four<V> = state.deformation_of_four(group);
-            for entry in (0..9).filter(|entry| in_space::<D>(*entry)) {
+            for entry in 0..9 {
                 f[entry] = V::splat(*dt).mul_add(rate[entry], f[entry]);
             }
             store_deformation::<V, D>(state, group, &f);
@@ -197,10 +202,8 @@ impl<const D: usize> Sweep for Total<'_, '_, D> {
             if self.incremental {
                 let r = wide::rotation::<V, D>(&f);
                 let d = turned_back::<V, D>(&product_transposed::<V, D>(&rate, &cofactor), &r, j);
-                for entry in (0..9).filter(|entry| in_space::<D>(*entry)) {
-                    r[entry].store(&mut rotation[entry][group]);
-                    d[entry].store(&mut gradient[entry][group]);
-                }
+                store_tensor::<V, D>(rotation, group, &r);
+                store_tensor::<V, D>(gradient, group, &d);
             }
         }
     }
@@ -231,9 +234,7 @@ impl<const D: usize> Sweep for Turn<'_, '_, D> {
     fn run<V: Wide>(self) {
         for group in self.chunk.state.groups() {
             let r = wide::rotation::<V, D>(&self.chunk.state.deformation_of_four(group));
-            for entry in (0..9).filter(|entry| in_space::<D>(*entry)) {
-                r[entry].store(&mut self.chunk.rotation[entry][group]);
-            }
+            store_tensor::<V, D>(self.chunk.rotation, group, &r);
         }
     }
 }
@@ -289,19 +290,23 @@ impl Sweep for JaumannInPlane<'_, '_> {
             let scale = one / (one + square);
             let (cos, sin) = ((one - square) * scale, (half + half) * scale);
             let (cc, ss, cs) = (cos * cos, sin * sin, cos * sin);
-            let mut turn = |[c11, c22, _, c12, ..]: [Column; 6]| {
-                let [a, b, c]: [V; 3] = [c11, c22, c12].map(|column| state.four(column, group));
-                let shift = (cs + cs) * c;
-                state.set_four(c11, group, cc * a + ss * b - shift);
-                state.set_four(c22, group, ss * a + cc * b + shift);
-                state.set_four(c12, group, cs * (a - b) + (cc - ss) * c);
-            };
-            turn(STRESS);
+            let turn = [cc, ss, cs];
+            turn_in_plane(state, STRESS, group, turn);
             if strained {
-                turn(STRAIN);
+                turn_in_plane(state, STRAIN, group, turn);
             }
         }
     }
+}
+
+/// The symmetric tensor of six columns, turned in the plane; cos^2, sin^2 and cos sin of the angle.
+#[inline(always)]
+fn turn_in_plane<V: Wide>(state: &mut State, columns: [Column; 6], group: usize, turn: [V; 3]) {
+    let ([c11, c22, _, c12, ..], [cc, ss, cs]) = (columns, turn);
+    let [a, b, c]: [V; 3] = state.fours([c11, c22, c12], group);
+    let shift = (cs + cs) * c;
+    let new = [cc * a + ss * b - shift, ss * a + cc * b + shift, cs * (a - b) + (cc - ss) * c];
+    state.set_fours([c11, c22, c12], group, new);
 }
 
 /// Q = I + 2/(1 + w.w) (A + A^2), A the skew tensor of w, half the rotation of the step.
@@ -318,10 +323,9 @@ impl Sweep for Jaumann<'_, '_> {
         let quarter = V::splat(0.25 * *dt);
         let strained = state.has(Column::E11);
         for group in state.groups() {
-            let spin = |a: usize, b: usize| {
-                quarter * (V::load(&gradient[a][group]) - V::load(&gradient[b][group]))
-            };
-            let q = cayley_of_four([spin(7, 5), spin(2, 6), spin(3, 1)]);
+            let l: Four<V> = load_tensor(gradient, group);
+            let spin = [quarter * (l[7] - l[5]), quarter * (l[2] - l[6]), quarter * (l[3] - l[1])];
+            let q = cayley_of_four(spin);
             turn_four(state, STRESS, group, &q);
             if strained {
                 turn_four(state, STRAIN, group, &q);
@@ -352,17 +356,16 @@ fn cayley_of_four<V: Wide>([x, y, z]: [V; 3]) -> Four<V> {
 /// The symmetric tensor of six columns becomes Q a Q^T.
 #[inline(always)]
 fn turn_four<V: Wide>(state: &mut State, columns: [Column; 6], group: usize, q: &Four<V>) {
-    let six: [V; 6] = columns.map(|column| state.four(column, group));
-    let a: Four<V> = super::state::SYMMETRIC.map(|index| six[index]);
+    let a: Four<V> = symmetric_tensor(state.fours(columns, group));
     let half = product::<V, 3>(q, &a);
-    let entry = |i: usize, j: usize| {
+    let mut new = [V::splat(0.0); 6];
+    let places = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+    for n in 0..6 {
+        let (i, j) = places[n];
         let along = half[3 * i + 1].mul_add(q[3 * j + 1], half[3 * i] * q[3 * j]);
-        half[3 * i + 2].mul_add(q[3 * j + 2], along)
-    };
-    let new = [entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)];
-    for (column, value) in columns.into_iter().zip(new) {
-        state.set_four(column, group, value);
+        new[n] = half[3 * i + 2].mul_add(q[3 * j + 2], along);
     }
+    state.set_fours(columns, group, new);
 }
 
 /// Smallest squared singular value of F among the particles, at most 1.

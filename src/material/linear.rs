@@ -1,6 +1,6 @@
 //! Hypoelasticity with constant moduli.
 
-use super::state::STRESS;
+use super::state::{STRESS, load_tensor};
 use super::{Chunk, Elastic, Lane, Law, State, write_strain};
 use crate::math::tensor::Tensor;
 use crate::math::v4::{Sweep, Wide, dispatch};
@@ -107,17 +107,17 @@ impl<const D: usize> Sweep for Hooke<'_, '_, D> {
         let (shear, twice) =
             (V::splat(*dt * self.elastic.shear), V::splat(*dt * 2.0 * self.elastic.shear));
         for group in state.groups() {
-            let l = |i: usize, j: usize| V::load(&gradient[3 * i + j][group]);
+            let l: [V; 9] = load_tensor(gradient, group);
             let trace = match D {
-                1 => l(0, 0),
-                2 => l(0, 0) + l(1, 1),
-                _ => l(0, 0) + l(1, 1) + l(2, 2),
+                1 => l[0],
+                2 => l[0] + l[4],
+                _ => l[0] + l[4] + l[8],
             };
             let pressure = lambda * trace;
             for axis in 0..3 {
                 let old: V = state.four(STRESS[axis], group);
                 let increment = match axis < D {
-                    true => twice.mul_add(l(axis, axis), pressure),
+                    true => twice.mul_add(l[4 * axis], pressure),
                     false => pressure,
                 };
                 state.set_four(STRESS[axis], group, old + increment);
@@ -125,7 +125,7 @@ impl<const D: usize> Sweep for Hooke<'_, '_, D> {
             for (column, i, j) in [(STRESS[3], 0, 1), (STRESS[4], 0, 2), (STRESS[5], 1, 2)] {
                 if j < D {
                     let old: V = state.four(column, group);
-                    state.set_four(column, group, shear.mul_add(l(i, j) + l(j, i), old));
+                    state.set_four(column, group, shear.mul_add(l[3 * i + j] + l[3 * j + i], old));
                 }
             }
         }

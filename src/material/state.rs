@@ -1,7 +1,8 @@
 //! The state of up to 64 particles of one law, in memory that fits the nearest cache.
 
 use crate::math::tensor::Tensor;
-use crate::math::v4::Wide;
+use crate::math::v4::{Sweep, Wide, dispatch};
+use crate::math::wide::in_space;
 use crate::model::column::{COLUMNS, Column, ColumnSet};
 
 /// Particles per call of a law.
@@ -36,6 +37,33 @@ pub const STRAIN: [Column; 6] = {
 
 /// Index into [`STRESS`] of entry 3 i + j of the symmetric tensor.
 pub const SYMMETRIC: [usize; 9] = [0, 3, 4, 3, 1, 5, 4, 5, 2];
+
+/// Four particles' tensor.
+#[inline(always)]
+pub fn load_tensor<V: Wide>(lanes: &[Lane; 9], group: usize) -> [V; 9] {
+    let mut tensor = [V::splat(0.0); 9];
+    for entry in 0..9 {
+        tensor[entry] = V::load(&lanes[entry][group]);
+    }
+    tensor
+}
+
+/// Stores the entries of four particles' tensor that lie in the `D` dimensions.
+#[inline(always)]
+pub fn store_tensor<V: Wide, const D: usize>(lanes: &mut [Lane; 9], group: usize, tensor: &[V; 9]) {
+    for entry in 0..9 {
+        if in_space::<D>(entry) {
+            tensor[entry].store(&mut lanes[entry][group]);
+        }
+    }
+}
+
+/// The tensor of six entries 11, 22, 33, 12, 13, 23.
+#[inline(always)]
+pub fn symmetric_tensor<V: Wide>(six: [V; 6]) -> [V; 9] {
+    let [a, b, c, d, e, f] = six;
+    [a, d, e, d, b, f, e, f, c]
+}
 
 /// Columns of up to [`LANES`] particles. A column that the scene does not have reads as its initial
 /// value.
@@ -122,7 +150,30 @@ impl State {
     /// Four particles' F.
     #[inline(always)]
     pub fn deformation_of_four<V: Wide>(&self, group: usize) -> [V; 9] {
-        DEFORMATION.map(|column| self.four(column, group))
+        self.fours(DEFORMATION, group)
+    }
+
+    /// Four particles' values of several columns.
+    #[inline(always)]
+    pub fn fours<V: Wide, const N: usize>(&self, columns: [Column; N], group: usize) -> [V; N] {
+        let mut values = [V::splat(0.0); N];
+        for n in 0..N {
+            values[n] = self.four(columns[n], group);
+        }
+        values
+    }
+
+    /// Sets four particles' values of several columns.
+    #[inline(always)]
+    pub fn set_fours<V: Wide, const N: usize>(
+        &mut self,
+        columns: [Column; N],
+        group: usize,
+        values: [V; N],
+    ) {
+        for n in 0..N {
+            self.set_four(columns[n], group, values[n]);
+        }
     }
 
     /// Value of particle `p`.
@@ -185,12 +236,27 @@ impl Chunk<'_> {
     /// Notes the first particle whose J is not a positive finite number.
     #[inline]
     pub fn check_volume(&mut self) {
-        let good = |value: &f64| (*value > 0.0) & (*value < f64::INFINITY);
-        let values = self.state.values(Column::J);
-        // Without a branch per value, since all are good nearly always.
-        if !values.iter().fold(true, |all, value| all & good(value)) {
-            self.failed = self.failed.or(values.iter().position(|value| !good(value)));
+        if !dispatch(AllPositive(self.state)) {
+            let bad = |value: &f64| !(*value > 0.0 && *value < f64::INFINITY);
+            self.failed = self.failed.or(self.state.values(Column::J).iter().position(bad));
         }
+    }
+}
+
+/// Are all J positive finite numbers? Lanes beyond the particles count too: if one of them is not,
+/// the particles are looked at one by one.
+struct AllPositive<'a>(&'a State);
+
+impl Sweep for AllPositive<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<V: Wide>(self) -> bool {
+        let mut all = true;
+        for group in self.0.groups() {
+            all &= self.0.four::<V>(Column::J, group).all_positive();
+        }
+        all
     }
 }
 

@@ -34,6 +34,8 @@ pub trait Wide:
     fn below(self, bound: Self, then: Self, otherwise: Self) -> Self;
     /// Lane `k` of each of the four in place of the k-th.
     fn transpose(rows: [Self; 4]) -> [Self; 4];
+    /// Are all four positive finite numbers?
+    fn all_positive(self) -> bool;
     /// Do the first three lanes all lie in lower..=upper? False if one is not a number.
     fn inside(self, lower: Self, upper: Self) -> bool;
     /// The four numbers.
@@ -43,6 +45,17 @@ pub trait Wide:
         self.store(&mut array);
         array
     }
+}
+
+/// Each number four times. (Loops, no closures: what the standard library maps or folds over wide
+/// numbers is compiled without the features of the processor and called for every element.)
+#[inline(always)]
+pub fn splats<V: Wide, const N: usize>(values: [f64; N]) -> [V; N] {
+    let mut wide = [V::splat(0.0); N];
+    for n in 0..N {
+        wide[n] = V::splat(values[n]);
+    }
+    wide
 }
 
 /// Work that is compiled once for each back end.
@@ -162,6 +175,10 @@ impl Wide for Plain {
         std::array::from_fn(|k| Self(rows.map(|row| row.0[k])))
     }
     #[inline(always)]
+    fn all_positive(self) -> bool {
+        self.0.iter().all(|value| *value > 0.0 && *value < f64::INFINITY)
+    }
+    #[inline(always)]
     fn inside(self, lower: Self, upper: Self) -> bool {
         (0..3).all(|lane| self.0[lane] >= lower.0[lane] && self.0[lane] <= upper.0[lane])
     }
@@ -258,6 +275,14 @@ mod avx2 {
                     Self(_mm256_permute2f128_pd::<0x31>(even_ab, even_cd)),
                     Self(_mm256_permute2f128_pd::<0x31>(odd_ab, odd_cd)),
                 ]
+            }
+        }
+        #[inline(always)]
+        fn all_positive(self) -> bool {
+            unsafe {
+                let above = _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_setzero_pd());
+                let below = _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, _mm256_set1_pd(f64::INFINITY));
+                _mm256_movemask_pd(_mm256_and_pd(above, below)) == 0b1111
             }
         }
         #[inline(always)]
@@ -359,6 +384,10 @@ mod neon {
             }
         }
         #[inline(always)]
+        fn all_positive(self) -> bool {
+            self.array().iter().all(|value| *value > 0.0 && *value < f64::INFINITY)
+        }
+        #[inline(always)]
         fn inside(self, lower: Self, upper: Self) -> bool {
             let (x, low, high) = (self.array(), lower.array(), upper.array());
             (0..3).all(|lane| x[lane] >= low[lane] && x[lane] <= high[lane])
@@ -389,6 +418,10 @@ mod tests {
                     V::load(&[1.5, -1.5, 2.0, -0.5]).floor(),
                 ])
                 .chain([a.absolute(), a.with_last(b), V::splat(inside), V::splat(outside)])
+                .chain([
+                    V::splat(f64::from(b.absolute().all_positive())),
+                    V::splat(f64::from(b.all_positive())),
+                ])
                 .chain([a.below(b, V::splat(7.0), a * a)])
                 .chain(V::transpose([a, b, lower, a + a]))
                 .map(V::array)
@@ -410,6 +443,8 @@ mod tests {
             [1.0, -2.0, 2.0, -1.0],
             [1.0, 2.0, 3.0, 4.0],
             [1.0, -2.0, 3.0, 0.5],
+            [1.0; 4],
+            [0.0; 4],
             [1.0; 4],
             [0.0; 4],
             [7.0, 7.0, 9.0, 7.0],

@@ -29,17 +29,17 @@ pub fn cofactors<V: Wide, const D: usize>(f: &Four<V>) -> (Four<V>, V) {
             (c, f[0] * f[4] - f[1] * f[3])
         }
         _ => {
-            let minor = |a: usize, b: usize, c: usize, d: usize| f[a] * f[d] - f[b] * f[c];
+            let [f11, f12, f13, f21, f22, f23, f31, f32, f33] = *f;
             let c = [
-                minor(4, 5, 7, 8),
-                minor(5, 3, 8, 6),
-                minor(3, 4, 6, 7),
-                minor(7, 8, 1, 2),
-                minor(8, 6, 2, 0),
-                minor(6, 7, 0, 1),
-                minor(1, 2, 4, 5),
-                minor(2, 0, 5, 3),
-                minor(0, 1, 3, 4),
+                f22 * f33 - f23 * f32,
+                f23 * f31 - f21 * f33,
+                f21 * f32 - f22 * f31,
+                f32 * f13 - f33 * f12,
+                f33 * f11 - f31 * f13,
+                f31 * f12 - f32 * f11,
+                f12 * f23 - f13 * f22,
+                f13 * f21 - f11 * f23,
+                f11 * f22 - f12 * f21,
             ];
             (c, f[0].mul_add(c[0], f[1].mul_add(c[1], f[2] * c[2])))
         }
@@ -49,32 +49,35 @@ pub fn cofactors<V: Wide, const D: usize>(f: &Four<V>) -> (Four<V>, V) {
 /// a b.
 #[inline(always)]
 pub fn product<V: Wide, const D: usize>(a: &Four<V>, b: &Four<V>) -> Four<V> {
-    contract::<V, D>(|i, k| a[3 * i + k], |k, j| b[3 * k + j])
+    contract::<V, D>(a, (3, 1), b, (3, 1))
 }
 
 /// a b^T.
 #[inline(always)]
 pub fn product_transposed<V: Wide, const D: usize>(a: &Four<V>, b: &Four<V>) -> Four<V> {
-    contract::<V, D>(|i, k| a[3 * i + k], |k, j| b[3 * j + k])
+    contract::<V, D>(a, (3, 1), b, (1, 3))
 }
 
 /// a^T b.
 #[inline(always)]
 pub fn transposed_product<V: Wide, const D: usize>(a: &Four<V>, b: &Four<V>) -> Four<V> {
-    contract::<V, D>(|i, k| a[3 * k + i], |k, j| b[3 * k + j])
+    contract::<V, D>(a, (1, 3), b, (3, 1))
 }
 
+/// sum_k a_ik b_kj, from the distances in memory of the indices i and k of a, k and j of b.
 #[inline(always)]
 fn contract<V: Wide, const D: usize>(
-    a: impl Fn(usize, usize) -> V,
-    b: impl Fn(usize, usize) -> V,
+    a: &Four<V>,
+    (ai, ak): (usize, usize),
+    b: &Four<V>,
+    (bk, bj): (usize, usize),
 ) -> Four<V> {
     let mut c = [V::splat(0.0); 9];
     for i in 0..D {
         for j in 0..D {
-            let mut sum = a(i, 0) * b(0, j);
+            let mut sum = a[ai * i] * b[bj * j];
             for k in 1..D {
-                sum = a(i, k).mul_add(b(k, j), sum);
+                sum = a[ai * i + ak * k].mul_add(b[bk * k + bj * j], sum);
             }
             c[3 * i + j] = sum;
         }

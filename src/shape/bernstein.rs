@@ -1,7 +1,7 @@
 //! Quadratic Bernstein polynomials.
 
 use super::{EDGE, Shape, Weights};
-use crate::math::v4::Wide;
+use crate::math::v4::{Wide, splats};
 
 /// One sentence for the table.
 pub const SUMMARY: &str = "quadratic Bernstein polynomials, nodes every half cell (tlmpm)";
@@ -24,7 +24,7 @@ impl Shape<3> for Bernstein {
 
     #[inline(always)]
     fn weights<V: Wide>(r: V, last: V) -> Weights<3> {
-        let [half, one, two] = [0.5, 1.0, 2.0].map(V::splat);
+        let [half, one, two]: [V; 3] = splats([0.5, 1.0, 2.0]);
         let cell = (half * r).floor().smaller(half * last - one);
         let first = two * cell;
         let t = (half * r - cell).larger(V::splat(EDGE)).smaller(V::splat(1.0 - EDGE));

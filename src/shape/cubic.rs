@@ -1,7 +1,7 @@
 //! The cubic B-spline with its variants at borders.
 
 use super::{EDGE, Shape, Weights};
-use crate::math::v4::Wide;
+use crate::math::v4::{Wide, splats};
 
 /// One sentence for the table.
 pub const SUMMARY: &str = "cubic B-splines: four nodes per axis, the smoothest";
@@ -36,7 +36,7 @@ impl Shape<4> for Cubic {
 
     #[inline(always)]
     fn weights<V: Wide>(r: V, last: V) -> Weights<4> {
-        let [zero, half, one, two, three] = [0.0, 0.5, 1.0, 2.0, 3.0].map(V::splat);
+        let [zero, half, one, two, three]: [V; 5] = splats([0.0, 0.5, 1.0, 2.0, 3.0]);
         let sixth = V::splat(1.0 / 6.0);
         let first = (r.floor() - one).larger(zero).smaller(last - three);
         let d = (r - first).larger(V::splat(EDGE)).smaller(V::splat(3.0 - EDGE));

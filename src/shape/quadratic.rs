@@ -1,7 +1,7 @@
 //! The quadratic B-spline with its variants at borders.
 
 use super::{EDGE, Shape, Weights};
-use crate::math::v4::Wide;
+use crate::math::v4::{Wide, splats};
 
 /// One sentence for the table.
 pub const SUMMARY: &str = "quadratic B-splines: three nodes per axis, no noise of cell crossing";
@@ -26,7 +26,7 @@ impl Shape<3> for Quadratic {
 
     #[inline(always)]
     fn weights<V: Wide>(r: V, last: V) -> Weights<3> {
-        let [zero, half, one, two] = [0.0, 0.5, 1.0, 2.0].map(V::splat);
+        let [zero, half, one, two]: [V; 4] = splats([0.0, 0.5, 1.0, 2.0]);
         let first = (r - half).floor().larger(zero).smaller(last - two);
         let d = (r - first).larger(V::splat(EDGE)).smaller(V::splat(2.0 - EDGE));
         let (a, b, c) = (V::splat(1.5) - d, d - one, d - half);
