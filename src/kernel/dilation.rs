@@ -4,6 +4,7 @@ use super::by_kind;
 use super::chunk::{SCRATCH, Scratch, spread};
 use super::points::{gradient_of, of_one_solid};
 use super::shared::Shared;
+use super::stencil::rows_of;
 use super::tiles::Tiles;
 use crate::material::{Description, LANES};
 use crate::math::v4::{Plain, Wide};
@@ -48,10 +49,9 @@ fn sweep_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
                     let amount = place[3] * scratch.numbers[p / 4][p % 4];
                     // SAFETY: tiles of one colour share no node (see `tiles`).
                     let mut rows = unsafe { stencil.of_shared(&dilation) };
-                    for number in 0..W.pow(D as u32 - 1) {
-                        let row = stencil.row(number);
-                        for (k, node) in rows.row(number).iter_mut().enumerate() {
-                            *node += row.value * stencil.value(k) * amount;
+                    for (i, j) in rows_of::<D, W>() {
+                        for (k, node) in rows.row(i, j).iter_mut().enumerate() {
+                            *node += stencil.weight(i, j, k) * amount;
                         }
                     }
                 }

@@ -8,7 +8,7 @@
 use super::by_kind;
 use super::grid::{for_each_run, inverse_mass};
 use super::shared::Shared;
-use super::stencil::Stencil;
+use super::stencil::rows_of;
 use super::tiles::Tiles;
 use crate::math::v4::{Sweep, Wide, dispatch};
 use crate::model::grid::Grid;
@@ -85,20 +85,18 @@ impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
             let stencil = self.frame.stencil::<V, D, W, S>(V::load(place));
             let mut velocity = V::splat(0.0);
             let rows = stencil.of(self.from);
-            for number in 0..Stencil::<D, W>::ROWS {
-                let row = stencil.row(number);
-                for (k, node) in rows.row(number).iter().enumerate() {
-                    let weight = V::splat(row.value * stencil.value(k));
+            for (i, j) in rows_of::<D, W>() {
+                for (k, node) in rows.row(i, j).iter().enumerate() {
+                    let weight = V::splat(stencil.weight(i, j, k));
                     velocity = weight.mul_add(V::load(node), velocity);
                 }
             }
             let momentum = V::splat(place[3]) * velocity;
             // SAFETY: tiles of one colour share no node (see `tiles`).
             let mut rows = unsafe { stencil.of_shared(&self.to) };
-            for number in 0..Stencil::<D, W>::ROWS {
-                let row = stencil.row(number);
-                for (k, node) in rows.row(number).iter_mut().enumerate() {
-                    let weight = V::splat(row.value * stencil.value(k));
+            for (i, j) in rows_of::<D, W>() {
+                for (k, node) in rows.row(i, j).iter_mut().enumerate() {
+                    let weight = V::splat(stencil.weight(i, j, k));
                     weight.mul_add(momentum, V::load(node)).store(node);
                 }
             }

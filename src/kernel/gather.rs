@@ -133,6 +133,8 @@ impl<const D: usize, const W: usize, S: Shape<W>> Part<'_, D, W, S> {
     fn particles<V: Wide, const SCATTER: bool, const AFFINE: bool>(self) {
         let Self { places, velocity, displacement, matrix, nodes, mapped, frame, .. } = self;
         let Gather { dt, velocity: mix, own_path, .. } = self.numbers;
+        // One check of a stencil's bounds then serves both arrays.
+        assert_eq!(nodes.len(), mapped.len());
         let [dt, grid, old, change] = splats::<V, 4>([dt, mix.grid, mix.old, mix.change]);
         let path = V::splat(if own_path { 1.0 } else { 0.0 });
         let (mut farthest, mut watch) = (V::splat(0.0), V::splat(0.0));
@@ -177,30 +179,46 @@ fn gather_one<V: Wide, const D: usize, const W: usize, const AFFINE: bool>(
 ) -> Gathered<V, D> {
     let zero = V::splat(0.0);
     let rows = stencil.of(nodes);
+    let (last, across) = (D - 1, Stencil::<D, W>::ACROSS);
     let mut sum = Gathered { w: zero, a: zero, matrix: [zero; D] };
-    for number in 0..Stencil::<D, W>::ROWS {
-        let row = stencil.row(number);
-        let (mut w, mut a, mut slope) = (zero, zero, zero);
-        let nodes = rows.row(number);
-        for k in 0..W {
-            let node = &nodes[k];
-            let weight = V::splat(stencil.value(k));
-            let motion = V::load(&node.motion);
-            w = weight.mul_add(motion, w);
-            a = weight.mul_add(V::load(&node.change), a);
+    for i in 0..Stencil::<D, W>::PLANES {
+        let mut plane = Gathered { w: zero, a: zero, matrix: [zero; D] };
+        for j in 0..Stencil::<D, W>::ROWS {
+            let nodes = rows.row(i, j);
+            let (value, motion) = (stencil.value::<V>(last, 0), V::load(&nodes[0].motion));
+            let (mut w, mut a) = (value * motion, value * V::load(&nodes[0].change));
+            let mut slope = steep.slope::<V>(last, 0) * motion;
+            for k in 1..W {
+                let (value, motion) = (stencil.value::<V>(last, k), V::load(&nodes[k].motion));
+                w = value.mul_add(motion, w);
+                a = value.mul_add(V::load(&nodes[k].change), a);
+                if AFFINE {
+                    slope = steep.slope::<V>(last, k).mul_add(motion, slope);
+                }
+            }
+            if D == 1 {
+                plane = Gathered { w, a, matrix: [slope; D] };
+                continue;
+            }
+            let value = stencil.value::<V>(across, j);
+            plane.w = value.mul_add(w, plane.w);
+            plane.a = value.mul_add(a, plane.a);
             if AFFINE {
-                slope = V::splat(steep.slope(k)).mul_add(motion, slope);
+                let steep = steep.slope::<V>(across, j);
+                plane.matrix[across] = steep.mul_add(w, plane.matrix[across]);
+                plane.matrix[last] = value.mul_add(slope, plane.matrix[last]);
             }
         }
-        let weight = V::splat(row.value);
-        sum.w = weight.mul_add(w, sum.w);
-        sum.a = weight.mul_add(a, sum.a);
+        if D < 3 {
+            return plane;
+        }
+        let value = stencil.value::<V>(0, i);
+        sum.w = value.mul_add(plane.w, sum.w);
+        sum.a = value.mul_add(plane.a, sum.a);
         if AFFINE {
-            let outer = steep.row(number);
-            for axis in 0..D - 1 {
-                sum.matrix[axis] = V::splat(outer.slope[axis]).mul_add(w, sum.matrix[axis]);
-            }
-            sum.matrix[D - 1] = weight.mul_add(slope, sum.matrix[D - 1]);
+            sum.matrix[0] = steep.slope::<V>(0, i).mul_add(plane.w, sum.matrix[0]);
+            sum.matrix[across] = value.mul_add(plane.matrix[across], sum.matrix[across]);
+            sum.matrix[last] = value.mul_add(plane.matrix[last], sum.matrix[last]);
         }
     }
     sum
@@ -214,6 +232,7 @@ fn scatter_one<V: Wide, const D: usize, const W: usize, const AFFINE: bool>(
     spread: &[V; D],
     mapped: Shared<'_, [f64; 4]>,
 ) {
+    let (last, across) = (D - 1, Stencil::<D, W>::ACROSS);
     let mut first = momentum;
     if AFFINE {
         for axis in 0..D {
@@ -222,22 +241,30 @@ fn scatter_one<V: Wide, const D: usize, const W: usize, const AFFINE: bool>(
     }
     // SAFETY: tiles of one colour share no node (see `tiles`).
     let mut rows = unsafe { stencil.of_shared(&mapped) };
-    for number in 0..Stencil::<D, W>::ROWS {
-        let row = stencil.row(number);
-        let mut momentum = first;
-        if AFFINE {
-            for axis in 0..D - 1 {
-                momentum = V::splat(row.outer[axis]).mul_add(spread[axis], momentum);
-            }
+    for i in 0..Stencil::<D, W>::PLANES {
+        let along = if D == 3 { stencil.value::<V>(0, i) } else { V::splat(1.0) };
+        let mut plane = first;
+        if AFFINE && D == 3 {
+            plane = V::splat(i as f64).mul_add(spread[0], plane);
         }
-        let value = V::splat(row.value);
-        let (mut momentum, step) = (value * momentum, value * spread[D - 1]);
-        let nodes = rows.row(number);
-        for k in 0..W {
-            let node = &mut nodes[k];
-            V::splat(stencil.value(k)).mul_add(momentum, V::load(node)).store(node);
-            if AFFINE {
-                momentum = momentum + step;
+        for j in 0..Stencil::<D, W>::ROWS {
+            let mut momentum = plane;
+            if AFFINE && D > 1 {
+                momentum = V::splat(j as f64).mul_add(spread[across], momentum);
+            }
+            let value = match D {
+                1 => along,
+                2 => stencil.value::<V>(across, j),
+                _ => along * stencil.value::<V>(across, j),
+            };
+            let (mut momentum, step) = (value * momentum, value * spread[last]);
+            let nodes = rows.row(i, j);
+            for k in 0..W {
+                let node = &mut nodes[k];
+                stencil.value::<V>(last, k).mul_add(momentum, V::load(node)).store(node);
+                if AFFINE {
+                    momentum = momentum + step;
+                }
             }
         }
     }

@@ -3,9 +3,10 @@
 use super::by_kind;
 use super::chunk::{SCRATCH, Scratch, spread, stresses};
 use super::shared::Shared;
-use super::stencil::{Frame, Stencil};
+use super::stencil::{Frame, Stencil, rows_of};
 use super::tiles::{Report, Tile, Tiles};
 use crate::material::kinematics::thinnest;
+use crate::material::state::copy;
 use crate::material::{Description, GROUPS, LANES, NOTHING};
 use crate::math::v4::{Plain, Sweep, Wide, dispatch};
 use crate::math::wide::in_space;
@@ -159,7 +160,7 @@ impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
     fn run<V: Wide>(mut self) {
         let Points { stress, advance, motion, force, .. } = self.points;
         let set = self.solid.columns.common(self.seen.present);
-        self.load(set);
+        self.load::<V>(set);
         if stress {
             match (self.points.matrix_is_gradient, self.points.moments) {
                 (true, _) => self.take_matrix(),
@@ -167,7 +168,7 @@ impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
                 (false, false) => self.gradients::<V, false>(),
             }
             self.update::<V>();
-            self.store(set);
+            self.store::<V>(set);
         }
         if advance {
             self.advance::<V>();
@@ -204,9 +205,9 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
 
     /// The state of the chunk into the scratch memory.
     #[inline(always)]
-    fn load(&mut self, set: ColumnSet) {
+    fn load<V: Wide>(&mut self, set: ColumnSet) {
         let (range, columns) = (self.range.clone(), &self.lent.columns);
-        self.scratch.state.load(D, range.len(), set, |column| {
+        self.scratch.state.load_wide::<V>(D, range.len(), set, |column| {
             // SAFETY: as in `places`.
             unsafe { columns[column as usize].part(range.clone()) }
         });
@@ -214,11 +215,11 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
 
     /// And back.
     #[inline(always)]
-    fn store(&mut self, set: ColumnSet) {
+    fn store<V: Wide>(&mut self, set: ColumnSet) {
         for column in set.iter() {
             // SAFETY: as in `places`.
             let slice = unsafe { self.lent.columns[column as usize].part(self.range.clone()) };
-            slice.copy_from_slice(self.scratch.state.values(column));
+            copy::<V>(self.scratch.state.values(column), slice);
         }
     }
 
@@ -228,8 +229,9 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
         let (frame, mapped, places) = (self.frame, self.seen.mapped, self.places());
         let inverse = V::splat(frame.inverse_spacing);
         let records = &mut self.scratch.records;
-        for (p, place) in places.iter().take(LANES).enumerate() {
-            let mut stencil = frame.stencil::<V, D, W, S>(V::load(place));
+        let len = places.len().min(LANES);
+        for p in 0..len {
+            let mut stencil = frame.stencil::<V, D, W, S>(V::load(&places[p]));
             if MOMENTS {
                 stencil = stencil.affine::<V, S>();
             }
@@ -245,6 +247,11 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
     fn update<V: Wide>(&mut self) {
         let groups = self.scratch.state.groups().end;
         let Scratch { records, gradient, .. } = &mut *self.scratch;
+        // The lanes that fill up the last group have no gradient.
+        let len = self.range.len().min(LANES);
+        for column in records.iter_mut().take(D) {
+            column[len..(4 * groups).clamp(len, LANES)].fill([0.0; 4]);
+        }
         spread::<V, D>(records, gradient, groups);
         if self.points.keep_gradient {
             self.keep_gradient();
@@ -309,7 +316,7 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
             fastest = (V::load(v).absolute() + V::splat(*wave)).larger(fastest);
         }
         self.report.fastest = fastest.array()[..D].iter().fold(0.0, |a, b| larger(a, *b));
-        let mut largest = [0.0; 4];
+        let mut largest = V::splat(0.0);
         for group in 0..state.groups().end.min(GROUPS) {
             let mut square = V::splat(0.0);
             for entry in 0..9 {
@@ -318,12 +325,9 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
                     square = rate.mul_add(rate, square);
                 }
             }
-            let square = square.array();
-            for lane in 0..(state.len - 4 * group).min(4) {
-                largest[lane] = larger(largest[lane], square[lane]);
-            }
+            largest = square.larger(largest);
         }
-        self.report.rate = largest.into_iter().fold(self.report.rate, larger);
+        self.report.rate = largest.array().into_iter().fold(self.report.rate, larger);
         if self.seen.description == Description::Total {
             self.report.thinnest = self.report.thinnest.min(thinnest(state));
         }
@@ -336,13 +340,19 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
         // SAFETY: as in `places`.
         let position = unsafe { self.lent.position.part(self.range.clone()) };
         let displacement = &self.seen.displacement[self.range.clone()];
-        for (p, (position, dx)) in position.iter_mut().zip(displacement).enumerate() {
+        let (mut least, mut largest) = (upper, lower);
+        for (position, dx) in position.iter_mut().zip(displacement) {
             let place = V::load(position);
             let place = (place + V::load(dx)).with_last(place);
             place.store(position);
-            if !place.inside(lower, upper) {
-                self.report.escaped.get_or_insert(self.range.start + p);
-            }
+            (least, largest) = (least.smaller(place), largest.larger(place));
+        }
+        if !(least.inside(lower, upper) && largest.inside(lower, upper)) {
+            let outside = |place: &[f64; 4]| {
+                !Plain::load(place)
+                    .inside(Plain::load(&self.frame.walls[0]), Plain::load(&self.frame.walls[1]))
+            };
+            self.report.escaped = position.iter().position(outside).map(|p| self.range.start + p);
         }
     }
 
@@ -355,9 +365,13 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
         let (frame, nodes) = (self.frame, self.lent.nodes);
         let (inverse, spacing) = (-frame.inverse_spacing, V::splat(frame.spacing));
         let moments = FORCE && self.points.moments;
-        let velocity = &self.seen.velocity[self.range.clone()];
         let records = &self.scratch.records;
-        for (p, (place, v)) in self.places().iter().zip(velocity).take(LANES).enumerate() {
+        // Indices below LANES and slices of one length: the loop needs no further checks.
+        let len = self.range.len().min(LANES);
+        let places = &self.places()[..len];
+        let velocity = &self.seen.velocity[self.range.clone()][..len];
+        for p in 0..len {
+            let (place, v) = (&places[p], &velocity[p]);
             let mut stencil = frame.stencil::<V, D, W, S>(V::load(place));
             let mass = V::splat(place[3]);
             let mut parcel = Parcel {
@@ -414,42 +428,73 @@ fn scatter_one<
     parcel: &Parcel<V, D>,
     nodes: Shared<'_, Node>,
 ) {
+    let (last, across) = (D - 1, Stencil::<D, W>::ACROSS);
     // SAFETY: tiles of one colour share no node (see `tiles`).
     let mut rows = unsafe { stencil.of_shared(&nodes) };
-    for number in 0..Stencil::<D, W>::ROWS {
-        let row = stencil.row(number);
-        let value = V::splat(row.value);
-        let mut motion = parcel.motion;
-        if AFFINE {
-            for axis in 0..D - 1 {
-                motion = V::splat(row.outer[axis]).mul_add(parcel.spread[axis], motion);
-            }
-        }
-        let mut motion = value * motion;
-        let step = value * parcel.spread[D - 1];
-        let steep = value * parcel.force[D - 1];
-        let mut flat = V::splat(0.0);
-        if FORCE {
-            for axis in 0..D - 1 {
-                flat = V::splat(row.slope[axis]).mul_add(parcel.force[axis], flat);
-            }
-        }
-        let nodes = rows.row(number);
-        for k in 0..W {
-            let (value, slope) = (V::splat(stencil.value(k)), V::splat(stencil.slope(k)));
-            let node = &mut nodes[k];
-            if MOTION {
-                value.mul_add(motion, V::load(&node.motion)).store(&mut node.motion);
+    for i in 0..Stencil::<D, W>::PLANES {
+        let plane = parcel.along_plane::<W, FORCE, AFFINE>(stencil, i);
+        for j in 0..Stencil::<D, W>::ROWS {
+            let Parcel { mut motion, spread, force } = plane;
+            let (mut step, mut steep, mut flat) = (spread[last], force[last], V::splat(0.0));
+            if D > 1 {
                 if AFFINE {
-                    motion = motion + step;
+                    motion = V::splat(j as f64).mul_add(spread[across], motion);
+                }
+                let (value, slope) = (stencil.value::<V>(across, j), stencil.slope::<V>(across, j));
+                (motion, step, steep) = (value * motion, value * step, value * steep);
+                flat = slope * force[across];
+                if D == 3 {
+                    flat = value.mul_add(force[0], flat);
                 }
             }
-            if FORCE {
-                let force = slope.mul_add(steep, V::load(&node.change));
-                let force = if D > 1 { value.mul_add(flat, force) } else { force };
-                force.store(&mut node.change);
+            let nodes = rows.row(i, j);
+            for k in 0..W {
+                let (value, slope) = (stencil.value::<V>(last, k), stencil.slope::<V>(last, k));
+                let node = &mut nodes[k];
+                if MOTION {
+                    value.mul_add(motion, V::load(&node.motion)).store(&mut node.motion);
+                    if AFFINE {
+                        motion = motion + step;
+                    }
+                }
+                if FORCE {
+                    let force = slope.mul_add(steep, V::load(&node.change));
+                    let force = if D > 1 { value.mul_add(flat, force) } else { force };
+                    force.store(&mut node.change);
+                }
             }
         }
+    }
+}
+
+impl<V: Wide, const D: usize> Parcel<V, D> {
+    /// What plane `i` of the stencil gets: all but the force along the first axis is weighted with
+    /// N, that force with dN/dr.
+    #[inline(always)]
+    fn along_plane<const W: usize, const FORCE: bool, const AFFINE: bool>(
+        &self,
+        stencil: &Stencil<D, W>,
+        i: usize,
+    ) -> Self {
+        let mut plane = *self;
+        if D < 3 {
+            return plane;
+        }
+        let value = stencil.value::<V>(0, i);
+        if AFFINE {
+            plane.motion = V::splat(i as f64).mul_add(self.spread[0], plane.motion);
+            for axis in 1..D {
+                plane.spread[axis] = value * self.spread[axis];
+            }
+        }
+        plane.motion = value * plane.motion;
+        if FORCE {
+            plane.force[0] = stencil.slope::<V>(0, i) * self.force[0];
+            for axis in 1..D {
+                plane.force[axis] = value * self.force[axis];
+            }
+        }
+        plane
     }
 }
 
@@ -460,33 +505,47 @@ pub fn gradient_of<V: Wide, const D: usize, const W: usize>(
     stencil: &Stencil<D, W>,
     mapped: &[[f64; 4]],
 ) -> [V; D] {
+    let (last, across, zero) = (D - 1, Stencil::<D, W>::ACROSS, V::splat(0.0));
     let rows = stencil.of(mapped);
-    let mut columns = [V::splat(0.0); D];
-    for number in 0..Stencil::<D, W>::ROWS {
-        let row = stencil.row(number);
-        let nodes = rows.row(number);
-        let (mut flat, mut steep) = (V::splat(0.0), V::splat(0.0));
-        for k in 0..W {
-            let node = V::load(&nodes[k]);
-            flat = V::splat(stencil.value(k)).mul_add(node, flat);
-            steep = V::splat(stencil.slope(k)).mul_add(node, steep);
+    let mut sum = [zero; D];
+    for i in 0..Stencil::<D, W>::PLANES {
+        let mut plane = [zero; D];
+        let mut plane_flat = zero;
+        for j in 0..Stencil::<D, W>::ROWS {
+            let nodes = rows.row(i, j);
+            let (mut flat, mut steep) = (zero, zero);
+            for k in 0..W {
+                let node = V::load(&nodes[k]);
+                flat = stencil.value::<V>(last, k).mul_add(node, flat);
+                steep = stencil.slope::<V>(last, k).mul_add(node, steep);
+            }
+            if D == 1 {
+                return [steep; D];
+            }
+            let (value, slope) = (stencil.value::<V>(across, j), stencil.slope::<V>(across, j));
+            plane[last] = value.mul_add(steep, plane[last]);
+            plane[across] = slope.mul_add(flat, plane[across]);
+            plane_flat = value.mul_add(flat, plane_flat);
         }
-        for axis in 0..D - 1 {
-            columns[axis] = V::splat(row.slope[axis]).mul_add(flat, columns[axis]);
+        if D < 3 {
+            return plane;
         }
-        columns[D - 1] = V::splat(row.value).mul_add(steep, columns[D - 1]);
+        let value = stencil.value::<V>(0, i);
+        sum[0] = stencil.slope::<V>(0, i).mul_add(plane_flat, sum[0]);
+        for axis in 1..D {
+            sum[axis] = value.mul_add(plane[axis], sum[axis]);
+        }
     }
-    columns
+    sum
 }
 
 /// sum N q of one particle.
-#[inline(always)]
 pub fn average_of<const D: usize, const W: usize>(stencil: &Stencil<D, W>, nodes: &[f64]) -> f64 {
     let (rows, mut sum) = (stencil.of(nodes), 0.0);
-    for number in 0..Stencil::<D, W>::ROWS {
-        let row = stencil.row(number);
-        let along = rows.row(number).iter().enumerate();
-        sum += row.value * along.map(|(k, node)| stencil.value(k) * node).sum::<f64>();
+    for (i, j) in rows_of::<D, W>() {
+        for (k, node) in rows.row(i, j).iter().enumerate() {
+            sum += stencil.weight(i, j, k) * node;
+        }
     }
     sum
 }
@@ -513,14 +572,13 @@ fn external_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
             let mut rows = unsafe { stencil.of_shared(&nodes) };
             // SAFETY: as above.
             let mut apart = (!external.is_empty()).then(|| unsafe { stencil.of_shared(&external) });
-            for number in 0..Stencil::<D, W>::ROWS {
-                let row = stencil.row(number);
+            for (i, j) in rows_of::<D, W>() {
                 for k in 0..W {
                     for axis in 0..D {
-                        let share = row.value * stencil.value(k) * force[axis];
-                        rows.row(number)[k].change[axis] += share;
+                        let share = stencil.weight(i, j, k) * force[axis];
+                        rows.row(i, j)[k].change[axis] += share;
                         if let Some(external) = &mut apart {
-                            external.row(number)[k][axis] += share;
+                            external.row(i, j)[k][axis] += share;
                         }
                     }
                 }

@@ -89,12 +89,12 @@ fn holds<const D: usize, const W: usize>(len: usize, base: usize, stride: [usize
 
 /// Distance of a row from the first one.
 #[inline(always)]
-fn offset<const D: usize, const W: usize>(number: usize, stride: [usize; 2]) -> usize {
-    assert!(number < W.pow(D as u32 - 1));
+fn offset<const D: usize, const W: usize>(i: usize, j: usize, stride: [usize; 2]) -> usize {
+    assert!(i < if D == 3 { W } else { 1 } && j < if D == 1 { 1 } else { W });
     match D {
         1 => 0,
-        2 => number * stride[0],
-        _ => number / W * stride[0] + number % W * stride[1],
+        2 => j * stride[0],
+        _ => i * stride[0] + j * stride[1],
     }
 }
 
@@ -117,11 +117,11 @@ impl<'a, T, const D: usize, const W: usize> Rows<'a, T, D, W> {
         Self { start: nodes[base..].as_ptr(), stride, lent: PhantomData }
     }
 
-    /// A row, counted with the first axis outermost.
+    /// Row `j` of plane `i`.
     #[inline(always)]
-    pub fn row(&self, number: usize) -> &'a [T; W] {
+    pub fn row(&self, i: usize, j: usize) -> &'a [T; W] {
         // SAFETY: `new` has checked the last row, the others lie before it.
-        unsafe { &*self.start.add(offset::<D, W>(number, self.stride)).cast::<[T; W]>() }
+        unsafe { &*self.start.add(offset::<D, W>(i, j, self.stride)).cast::<[T; W]>() }
     }
 }
 
@@ -133,12 +133,12 @@ pub struct RowsMut<'a, T, const D: usize, const W: usize> {
 }
 
 impl<T, const D: usize, const W: usize> RowsMut<'_, T, D, W> {
-    /// A row, counted with the first axis outermost.
+    /// Row `j` of plane `i`.
     #[inline(always)]
-    pub fn row(&mut self, number: usize) -> &mut [T; W] {
+    pub fn row(&mut self, i: usize, j: usize) -> &mut [T; W] {
         // SAFETY: `Shared::rows` has checked the last row, the others lie before it, and its caller
         // promises that nobody else uses them.
-        unsafe { &mut *self.start.add(offset::<D, W>(number, self.stride)).cast::<[T; W]>() }
+        unsafe { &mut *self.start.add(offset::<D, W>(i, j, self.stride)).cast::<[T; W]>() }
     }
 }
 
@@ -153,7 +153,7 @@ mod tests {
         // SAFETY: 0..4 and 4..6 do not overlap.
         let (low, mut high) = unsafe { (shared.part(0..4), shared.rows::<1, 2>(4, [0; 2])) };
         low.fill(1);
-        high.row(0).fill(2);
+        high.row(0, 0).fill(2);
         assert_eq!(numbers, [1, 1, 1, 1, 2, 2, 0, 0, 0, 0]);
     }
 
@@ -163,7 +163,7 @@ mod tests {
         let numbers: Vec<usize> = (0..60).collect();
         let rows = Rows::<_, 3, 2>::new(&numbers, 33, [20, 5]);
         assert_eq!(
-            [rows.row(0), rows.row(1), rows.row(2), rows.row(3)].map(|row| row[1]),
+            [rows.row(0, 0), rows.row(0, 1), rows.row(1, 0), rows.row(1, 1)].map(|row| row[1]),
             [34, 39, 54, 59]
         );
         for base in [34, 60, usize::MAX] {
@@ -172,7 +172,8 @@ mod tests {
             assert!(refused.is_err(), "{base}");
         }
         assert!(
-            std::panic::catch_unwind(|| Rows::<_, 3, 2>::new(&numbers, 0, [20, 5]).row(4)).is_err()
+            std::panic::catch_unwind(|| Rows::<_, 3, 2>::new(&numbers, 0, [20, 5]).row(0, 2))
+                .is_err()
         );
     }
 }

@@ -68,7 +68,7 @@ impl Description {
     pub fn advance(self, law: &dyn Law, has_deformation: bool, chunk: &mut Chunk<'_>) {
         let dimension = chunk.state.dimension;
         let incremental = law.is_incremental();
-        match self {
+        let good = match self {
             Description::Total => in_dimensions!(dimension, Total { chunk, incremental }),
             Description::Updated(rate) => {
                 if incremental && dimension > 1 {
@@ -80,8 +80,10 @@ impl Description {
                     false => in_dimensions!(dimension, Grow { chunk }),
                 }
             }
+        };
+        if !good {
+            chunk.find_failure();
         }
-        chunk.check_volume();
     }
 
     /// R of the present F, where forces need it: what [`Description::advance`] leaves in the chunk.
@@ -117,17 +119,21 @@ struct Grow<'a, 'b, const D: usize> {
 }
 
 impl<const D: usize> Sweep for Grow<'_, '_, D> {
-    type Output = ();
+    type Output = bool;
 
     #[inline(always)]
-    fn run<V: Wide>(self) {
+    fn run<V: Wide>(self) -> bool {
         let Chunk { state, dt, gradient, .. } = self.chunk;
+        let mut good = true;
         for group in state.groups() {
             let growth = growth::<V, D>(gradient, V::splat(*dt), group);
             let (_, volume) = cofactors::<V, D>(&growth);
             let j: V = state.four(Column::J, group);
-            state.set_four(Column::J, group, j * volume);
+            let j = j * volume;
+            good &= j.all_positive();
+            state.set_four(Column::J, group, j);
         }
+        good
     }
 }
 
@@ -151,11 +157,12 @@ struct Stretch<'a, 'b, const D: usize> {
 }
 
 impl<const D: usize> Sweep for Stretch<'_, '_, D> {
-    type Output = ();
+    type Output = bool;
 
     #[inline(always)]
-    fn run<V: Wide>(self) {
+    fn run<V: Wide>(self) -> bool {
         let Chunk { state, dt, gradient, .. } = self.chunk;
+        let mut good = true;
         for group in state.groups() {
             let growth = growth::<V, D>(gradient, V::splat(*dt), group);
             let f = product::<V, D>(&growth, &state.deformation_of_four(group));
@@ -164,8 +171,10 @@ impl<const D: usize> Sweep for Stretch<'_, '_, D> {
                 true => cofactors::<V, D>(&f).1,
                 false => state.four::<V>(Column::J, group) * cofactors::<V, D>(&growth).1,
             };
+            good &= j.all_positive();
             state.set_four(Column::J, group, j);
         }
+        good
     }
 }
 
@@ -185,11 +194,12 @@ struct Total<'a, 'b, const D: usize> {
 }
 
 impl<const D: usize> Sweep for Total<'_, '_, D> {
-    type Output = ();
+    type Output = bool;
 
     #[inline(always)]
-    fn run<V: Wide>(self) {
+    fn run<V: Wide>(self) -> bool {
         let Chunk { state, dt, gradient, rotation, .. } = self.chunk;
+        let mut good = true;
         for group in state.groups() {
             let rate: Four<V> = load_tensor(gradient, group);
             let mut f: Four<V> = state.deformation_of_four(group);
@@ -198,6 +208,7 @@ impl<const D: usize> Sweep for Total<'_, '_, D> {
             }
             store_deformation::<V, D>(state, group, &f);
             let (cofactor, j) = cofactors::<V, D>(&f);
+            good &= j.all_positive();
             state.set_four(Column::J, group, j);
             if self.incremental {
                 let r = wide::rotation::<V, D>(&f);
@@ -206,6 +217,7 @@ impl<const D: usize> Sweep for Total<'_, '_, D> {
                 store_tensor::<V, D>(gradient, group, &d);
             }
         }
+        good
     }
 }
 

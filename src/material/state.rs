@@ -1,7 +1,7 @@
 //! The state of up to 64 particles of one law, in memory that fits the nearest cache.
 
 use crate::math::tensor::Tensor;
-use crate::math::v4::{Sweep, Wide, dispatch};
+use crate::math::v4::{Plain, Wide};
 use crate::math::wide::in_space;
 use crate::model::column::{COLUMNS, Column, ColumnSet};
 
@@ -37,6 +37,19 @@ pub const STRAIN: [Column; 6] = {
 
 /// Index into [`STRESS`] of entry 3 i + j of the symmetric tensor.
 pub const SYMMETRIC: [usize; 9] = [0, 3, 4, 3, 1, 5, 4, 5, 2];
+
+/// to <- from, four numbers at a time: a chunk is too short for a call of `memcpy`.
+#[inline(always)]
+pub fn copy<V: Wide>(from: &[f64], to: &mut [f64]) {
+    let (from, from_rest) = from.as_chunks::<4>();
+    let (to, to_rest) = to.as_chunks_mut::<4>();
+    for (from, to) in from.iter().zip(to) {
+        V::load(from).store(to);
+    }
+    for (from, to) in from_rest.iter().zip(to_rest) {
+        *to = *from;
+    }
+}
 
 /// Four particles' tensor.
 #[inline(always)]
@@ -94,6 +107,18 @@ impl State {
         set: ColumnSet,
         slice: impl Fn(Column) -> &'a [f64],
     ) {
+        self.load_wide::<Plain>(dimension, len, set, slice);
+    }
+
+    /// The same, four numbers at a time.
+    #[inline(always)]
+    pub fn load_wide<'a, V: Wide>(
+        &mut self,
+        dimension: usize,
+        len: usize,
+        set: ColumnSet,
+        slice: impl Fn(Column) -> &'a [f64],
+    ) {
         (self.dimension, self.len) = (dimension, len);
         for column in self.loaded.without(set).iter() {
             self.columns[column as usize] = [[column.info().initial; 4]; GROUPS];
@@ -101,7 +126,7 @@ impl State {
         self.loaded = set;
         for column in set.iter() {
             let lane = self.columns[column as usize].as_flattened_mut();
-            lane[..len].copy_from_slice(&slice(column)[..len]);
+            copy::<V>(&slice(column)[..len], &mut lane[..len]);
         }
     }
 
@@ -233,30 +258,11 @@ impl Chunk<'_> {
         Tensor::from_fn(|i, j| self.gradient[3 * i + j][p / 4][p % 4])
     }
 
-    /// Notes the first particle whose J is not a positive finite number.
-    #[inline]
-    pub fn check_volume(&mut self) {
-        if !dispatch(AllPositive(self.state)) {
-            let bad = |value: &f64| !(*value > 0.0 && *value < f64::INFINITY);
-            self.failed = self.failed.or(self.state.values(Column::J).iter().position(bad));
-        }
-    }
-}
-
-/// Are all J positive finite numbers? Lanes beyond the particles count too: if one of them is not,
-/// the particles are looked at one by one.
-struct AllPositive<'a>(&'a State);
-
-impl Sweep for AllPositive<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<V: Wide>(self) -> bool {
-        let mut all = true;
-        for group in self.0.groups() {
-            all &= self.0.four::<V>(Column::J, group).all_positive();
-        }
-        all
+    /// Notes the first particle whose J is not a positive finite number, if there is one.
+    #[cold]
+    pub fn find_failure(&mut self) {
+        let bad = |value: &f64| !(*value > 0.0 && *value < f64::INFINITY);
+        self.failed = self.failed.or(self.state.values(Column::J).iter().position(bad));
     }
 }
 

@@ -36,37 +36,51 @@ impl Shape<4> for Cubic {
 
     #[inline(always)]
     fn weights<V: Wide>(r: V, last: V) -> Weights<4> {
-        let [zero, half, one, two, three]: [V; 5] = splats([0.0, 0.5, 1.0, 2.0, 3.0]);
-        let sixth = V::splat(1.0 / 6.0);
+        let [zero, one, two, three]: [V; 4] = splats([0.0, 1.0, 2.0, 3.0]);
         let first = (r.floor() - one).larger(zero).smaller(last - three);
         let d = (r - first).larger(V::splat(EDGE)).smaller(V::splat(3.0 - EDGE));
-        let (f, g) = (d - one, two - d);
-        let (ff, gg) = (f * f, g * g);
-        let middle = |square: V, r: V| square * (half * r - one) + V::splat(2.0 / 3.0);
-        // d < 1 and d >= 2 happen only in the cells at the borders.
-        let pick = |lower: V, inside: V, upper: V| {
-            d.below(one, lower, d.below(two, inside, upper)).array()
-        };
-        let (low, low_slope) = at_border(d);
-        let (high, high_slope) = at_border(three - d);
-        let three_halves = V::splat(1.5);
-        Weights {
+        let (value, slope) = inside(d);
+        let mut weights = Weights {
             first: first.array(),
             offset: d.array(),
-            value: [
-                pick(low[0], sixth * gg * g, zero),
-                pick(low[1], middle(ff, f), high[2]),
-                pick(low[2], middle(gg, g), high[1]),
-                pick(zero, sixth * ff * f, high[0]),
-            ],
-            slope: [
-                pick(low_slope[0], zero - half * gg, zero),
-                pick(low_slope[1], f * (three_halves * f - two), zero - high_slope[2]),
-                pick(low_slope[2], g * (two - three_halves * g), zero - high_slope[1]),
-                pick(zero, half * ff, zero - high_slope[0]),
-            ],
+            value: [value[0].array(), value[1].array(), value[2].array(), value[3].array()],
+            slope: [slope[0].array(), slope[1].array(), slope[2].array(), slope[3].array()],
+        };
+        if !d.inside(one, two) {
+            // Some axis is in a cell at a border: d < 1 or d >= 2.
+            let (low, low_slope) = at_border(d);
+            let (high, high_slope) = at_border(three - d);
+            let low = [low[0], low[1], low[2], zero];
+            let high = [zero, high[2], high[1], high[0]];
+            let low_slope = [low_slope[0], low_slope[1], low_slope[2], zero];
+            let high_slope = [zero, high_slope[2], high_slope[1], high_slope[0]];
+            for k in 0..4 {
+                let upper = d.below(two, value[k], high[k]);
+                d.below(one, low[k], upper).store(&mut weights.value[k]);
+                let upper = d.below(two, slope[k], zero - high_slope[k]);
+                d.below(one, low_slope[k], upper).store(&mut weights.slope[k]);
+            }
         }
+        weights
     }
+}
+
+/// Values and slopes of the four nodes away from borders, 1 <= d < 2 from the first of them.
+#[inline(always)]
+fn inside<V: Wide>(d: V) -> ([V; 4], [V; 4]) {
+    let [zero, half, one, two]: [V; 4] = splats([0.0, 0.5, 1.0, 2.0]);
+    let [sixth, two_thirds, three_halves]: [V; 3] = splats([1.0 / 6.0, 2.0 / 3.0, 1.5]);
+    let (f, g) = (d - one, two - d);
+    let (ff, gg) = (f * f, g * g);
+    let value = [
+        sixth * gg * g,
+        ff.mul_add(half * f - one, two_thirds),
+        gg.mul_add(half * g - one, two_thirds),
+        sixth * ff * f,
+    ];
+    let slope =
+        [zero - half * gg, f * (three_halves * f - two), g * (two - three_halves * g), half * ff];
+    (value, slope)
 }
 
 #[cfg(test)]

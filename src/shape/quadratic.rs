@@ -30,25 +30,27 @@ impl Shape<3> for Quadratic {
         let first = (r - half).floor().larger(zero).smaller(last - two);
         let d = (r - first).larger(V::splat(EDGE)).smaller(V::splat(2.0 - EDGE));
         let (a, b, c) = (V::splat(1.5) - d, d - one, d - half);
-        // d < 1/2 and d > 3/2 happen only in the half cells at the borders.
-        let pick = |lower: V, inside: V, upper: V| {
-            d.below(half, lower, d.below(V::splat(1.5), inside, upper)).array()
-        };
-        let minus = V::splat(-1.0);
-        Weights {
+        let value = [half * a * a, V::splat(0.75) - b * b, half * c * c];
+        let slope = [zero - a, zero - (b + b), c];
+        let mut weights = Weights {
             first: first.array(),
             offset: d.array(),
-            value: [
-                pick(one - d, half * a * a, zero),
-                pick(d, V::splat(0.75) - b * b, two - d),
-                pick(zero, half * c * c, d - one),
-            ],
-            slope: [
-                pick(minus, zero - a, zero),
-                pick(one, zero - (b + b), minus),
-                pick(zero, c, one),
-            ],
+            value: [value[0].array(), value[1].array(), value[2].array()],
+            slope: [slope[0].array(), slope[1].array(), slope[2].array()],
+        };
+        if !d.inside(half, V::splat(1.5)) {
+            // Some axis is in the half cell at a border: d < 1/2 or d > 3/2.
+            let minus = V::splat(-1.0);
+            let (low, high) = ([one - d, d, zero], [zero, two - d, d - one]);
+            let (low_slope, high_slope) = ([minus, one, zero], [zero, minus, one]);
+            for k in 0..3 {
+                let upper = d.below(V::splat(1.5), value[k], high[k]);
+                d.below(half, low[k], upper).store(&mut weights.value[k]);
+                let upper = d.below(V::splat(1.5), slope[k], high_slope[k]);
+                d.below(half, low_slope[k], upper).store(&mut weights.slope[k]);
+            }
         }
+        weights
     }
 }
 
