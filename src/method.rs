@@ -33,7 +33,9 @@ cubic-spline. Source: Sulsky, Chen, Schreyer 1994.",
         manual: "\
 No particle crosses a cell and no body tears by itself; bodies do not see each other without a
 contact fix. Hypoelastic laws act on the stress turned back by R of F = R U (Green-Naghdi); the
-forces are -sum V0 P grad0 N with P = J sigma F^-T. Shapes: linear, quadratic-spline, cubic-spline,
+forces are -sum V0 P grad0 N with P = J sigma F^-T. The increment of strain is taken with the new F
+and so counts (dt omega)^2/2 per step too much in a body that spins with omega: take dt small, or
+`neo-hookean`, whose stress has no memory, for bodies that spin fast. Shapes: linear, quadratic-spline, cubic-spline,
 Bernstein-quadratic. Source: de Vaucorbeil, Nguyen, Hutchinson 2020.",
         build: Some(true),
     },

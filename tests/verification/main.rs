@@ -4,6 +4,7 @@
 //! stands beside it. Every test also runs a broken variant and sees it fail.
 
 mod bar;
+mod combinations;
 mod fixes;
 mod invariants;
 mod scene;
