@@ -19,6 +19,7 @@ pub mod filter;
 pub mod gather;
 pub mod grid;
 pub mod points;
+pub mod scatter;
 pub mod shared;
 pub mod sort;
 pub mod stencil;

@@ -11,7 +11,7 @@ use crate::kernel::gather::{self, Gather};
 use crate::kernel::points::{self, Points};
 use crate::kernel::sort::Sorter;
 use crate::kernel::tiles::{Report, Tiles};
-use crate::kernel::{dilation, filter, grid};
+use crate::kernel::{dilation, filter, grid, scatter};
 use crate::measure::{self, Captured};
 use crate::model::clock::Clock;
 use crate::model::column::Column;
@@ -164,7 +164,7 @@ impl Parts<'_> {
         self.captured.internal(self.world);
         self.world.grid.external.fill([0.0; 4]);
         if self.plan.columns.contains(Column::Bx) && self.hooks.any(&[Stage::InitialIntegrate]) {
-            points::external_forces(&mut self.loops.tiles, self.world);
+            scatter::external_forces(&mut self.loops.tiles, self.world);
         }
         self.act(Stage::PostParticlesToGrid)?;
         self.captured.external(self.world);

@@ -2,7 +2,7 @@
 
 use super::by_kind;
 use super::chunk::{SCRATCH, Scratch, spread};
-use super::points::{gradient_of, of_one_solid};
+use super::points::of_one_solid;
 use super::shared::Shared;
 use super::stencil::rows_of;
 use super::tiles::Tiles;
@@ -36,7 +36,7 @@ fn sweep_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
                 let inverse = Plain::splat(tile.frame.inverse_spacing);
                 for (p, place) in places[range.clone()].iter().take(LANES).enumerate() {
                     let stencil = tile.frame.stencil::<Plain, D, W, S>(Plain::load(place));
-                    let columns = gradient_of::<Plain, D, W>(&stencil, mapped);
+                    let columns = stencil.gradient::<Plain>(mapped);
                     for j in 0..D {
                         (columns[j] * inverse).store(&mut scratch.records[j][p]);
                     }

@@ -2,8 +2,9 @@
 
 use super::by_kind;
 use super::chunk::{SCRATCH, Scratch, spread, stresses};
+use super::scatter::Parcel;
 use super::shared::Shared;
-use super::stencil::{Frame, Stencil, rows_of};
+use super::stencil::Frame;
 use super::tiles::{Report, Tile, Tiles};
 use crate::material::kinematics::thinnest;
 use crate::material::state::copy;
@@ -235,7 +236,7 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
             if MOMENTS {
                 stencil = stencil.affine::<V, S>();
             }
-            let columns = gradient_of::<V, D, W>(&stencil, mapped);
+            let columns = stencil.gradient::<V>(mapped);
             for j in 0..D {
                 (columns[j] * inverse).store(&mut records[j][p]);
             }
@@ -299,7 +300,7 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
         let mut theta = NOTHING;
         for (p, place) in self.places().iter().enumerate() {
             let stencil = frame.stencil::<V, D, W, S>(V::load(place));
-            theta[p / 4][p % 4] = average_of(&stencil, self.seen.dilation);
+            theta[p / 4][p % 4] = stencil.average(self.seen.dilation);
         }
         self.scratch.numbers = theta;
         super::dilation::replace::<V, D>(self.scratch, self.seen.description);
@@ -398,193 +399,9 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
                     stencil = stencil.affine::<V, S>();
                 }
             }
-            scatter_one::<V, D, W, MOTION, FORCE, AFFINE>(&stencil, &parcel, nodes);
+            parcel.scatter::<W, MOTION, FORCE, AFFINE>(&stencil, nodes);
         }
     }
-}
-
-/// What one particle gives to the nodes.
-#[derive(Clone, Copy)]
-struct Parcel<V, const D: usize> {
-    /// m v and m; with an affine field m v is that at the first node.
-    motion: V,
-    /// Change of m v from node to node along each axis.
-    spread: [V; D],
-    /// -V0 J sigma_{.j} / h of each axis j: the force is the sum over j of this times dN/dr_j.
-    force: [V; D],
-}
-
-/// motion += N (m v, m), force -= V sigma grad N, for one particle (line 5).
-#[inline(always)]
-fn scatter_one<
-    V: Wide,
-    const D: usize,
-    const W: usize,
-    const MOTION: bool,
-    const FORCE: bool,
-    const AFFINE: bool,
->(
-    stencil: &Stencil<D, W>,
-    parcel: &Parcel<V, D>,
-    nodes: Shared<'_, Node>,
-) {
-    let (last, across) = (D - 1, Stencil::<D, W>::ACROSS);
-    // SAFETY: tiles of one colour share no node (see `tiles`).
-    let mut rows = unsafe { stencil.of_shared(&nodes) };
-    for i in 0..Stencil::<D, W>::PLANES {
-        let plane = parcel.along_plane::<W, FORCE, AFFINE>(stencil, i);
-        for j in 0..Stencil::<D, W>::ROWS {
-            let Parcel { mut motion, spread, force } = plane;
-            let (mut step, mut steep, mut flat) = (spread[last], force[last], V::splat(0.0));
-            if D > 1 {
-                if AFFINE {
-                    motion = V::splat(j as f64).mul_add(spread[across], motion);
-                }
-                let (value, slope) = (stencil.value::<V>(across, j), stencil.slope::<V>(across, j));
-                (motion, step, steep) = (value * motion, value * step, value * steep);
-                flat = slope * force[across];
-                if D == 3 {
-                    flat = value.mul_add(force[0], flat);
-                }
-            }
-            let nodes = rows.row(i, j);
-            for k in 0..W {
-                let (value, slope) = (stencil.value::<V>(last, k), stencil.slope::<V>(last, k));
-                let node = &mut nodes[k];
-                if MOTION {
-                    value.mul_add(motion, V::load(&node.motion)).store(&mut node.motion);
-                    if AFFINE {
-                        motion = motion + step;
-                    }
-                }
-                if FORCE {
-                    let force = slope.mul_add(steep, V::load(&node.change));
-                    let force = if D > 1 { value.mul_add(flat, force) } else { force };
-                    force.store(&mut node.change);
-                }
-            }
-        }
-    }
-}
-
-impl<V: Wide, const D: usize> Parcel<V, D> {
-    /// What plane `i` of the stencil gets: all but the force along the first axis is weighted with
-    /// N, that force with dN/dr.
-    #[inline(always)]
-    fn along_plane<const W: usize, const FORCE: bool, const AFFINE: bool>(
-        &self,
-        stencil: &Stencil<D, W>,
-        i: usize,
-    ) -> Self {
-        let mut plane = *self;
-        if D < 3 {
-            return plane;
-        }
-        let value = stencil.value::<V>(0, i);
-        if AFFINE {
-            plane.motion = V::splat(i as f64).mul_add(self.spread[0], plane.motion);
-            for axis in 1..D {
-                plane.spread[axis] = value * self.spread[axis];
-            }
-        }
-        plane.motion = value * plane.motion;
-        if FORCE {
-            plane.force[0] = stencil.slope::<V>(0, i) * self.force[0];
-            for axis in 1..D {
-                plane.force[axis] = value * self.force[axis];
-            }
-        }
-        plane
-    }
-}
-
-/// sum v (x) dN/dr of one particle: column j is the derivative along axis j, in velocity per node
-/// spacing.
-#[inline(always)]
-pub fn gradient_of<V: Wide, const D: usize, const W: usize>(
-    stencil: &Stencil<D, W>,
-    mapped: &[[f64; 4]],
-) -> [V; D] {
-    let (last, across, zero) = (D - 1, Stencil::<D, W>::ACROSS, V::splat(0.0));
-    let rows = stencil.of(mapped);
-    let mut sum = [zero; D];
-    for i in 0..Stencil::<D, W>::PLANES {
-        let mut plane = [zero; D];
-        let mut plane_flat = zero;
-        for j in 0..Stencil::<D, W>::ROWS {
-            let nodes = rows.row(i, j);
-            let (mut flat, mut steep) = (zero, zero);
-            for k in 0..W {
-                let node = V::load(&nodes[k]);
-                flat = stencil.value::<V>(last, k).mul_add(node, flat);
-                steep = stencil.slope::<V>(last, k).mul_add(node, steep);
-            }
-            if D == 1 {
-                return [steep; D];
-            }
-            let (value, slope) = (stencil.value::<V>(across, j), stencil.slope::<V>(across, j));
-            plane[last] = value.mul_add(steep, plane[last]);
-            plane[across] = slope.mul_add(flat, plane[across]);
-            plane_flat = value.mul_add(flat, plane_flat);
-        }
-        if D < 3 {
-            return plane;
-        }
-        let value = stencil.value::<V>(0, i);
-        sum[0] = stencil.slope::<V>(0, i).mul_add(plane_flat, sum[0]);
-        for axis in 1..D {
-            sum[axis] = value.mul_add(plane[axis], sum[axis]);
-        }
-    }
-    sum
-}
-
-/// sum N q of one particle.
-pub fn average_of<const D: usize, const W: usize>(stencil: &Stencil<D, W>, nodes: &[f64]) -> f64 {
-    let (rows, mut sum) = (stencil.of(nodes), 0.0);
-    for (i, j) in rows_of::<D, W>() {
-        for (k, node) in rows.row(i, j).iter().enumerate() {
-            sum += stencil.weight(i, j, k) * node;
-        }
-    }
-    sum
-}
-
-/// force += N mbp: the external forces that fixes gave to particles (H1).
-pub fn external_forces(tiles: &mut Tiles, world: &mut World) {
-    by_kind!(world.domain.dimension, world.method.shape, external_of, tiles, world);
-}
-
-fn external_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
-    tiles: &mut Tiles,
-    world: &mut World,
-) {
-    let World { particles, grid, method, .. } = world;
-    let places = if method.total { &particles.reference } else { &particles.position };
-    let nodes = Shared::new(&mut grid.nodes);
-    let external = Shared::new(&mut grid.external);
-    let force = [Column::Bx, Column::By, Column::Bz].map(|column| particles.column(column));
-    tiles.sweep(|tile, _| {
-        for p in tile.range {
-            let force: [f64; 3] = force.map(|column| column.get(p).copied().unwrap_or(0.0));
-            let stencil = tile.frame.stencil::<Plain, D, W, S>(Plain::load(&places[p]));
-            // SAFETY: tiles of one colour share no node (see `tiles`).
-            let mut rows = unsafe { stencil.of_shared(&nodes) };
-            // SAFETY: as above.
-            let mut apart = (!external.is_empty()).then(|| unsafe { stencil.of_shared(&external) });
-            for (i, j) in rows_of::<D, W>() {
-                for k in 0..W {
-                    for axis in 0..D {
-                        let share = stencil.weight(i, j, k) * force[axis];
-                        rows.row(i, j)[k].change[axis] += share;
-                        if let Some(external) = &mut apart {
-                            external.row(i, j)[k][axis] += share;
-                        }
-                    }
-                }
-            }
-        }
-    });
 }
 
 /// What limits the time step in the present state, by lattice: before the first step of a run.

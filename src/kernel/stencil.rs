@@ -169,6 +169,55 @@ impl<const D: usize, const W: usize> Stencil<D, W> {
         // SAFETY: the caller's promise.
         unsafe { nodes.rows(self.base, self.stride) }
     }
+
+    /// sum v (x) dN/dr of one particle: column j is the derivative along axis j, in velocity per node
+    /// spacing.
+    #[inline(always)]
+    pub fn gradient<V: Wide>(&self, mapped: &[[f64; 4]]) -> [V; D] {
+        let (last, across, zero) = (D - 1, Stencil::<D, W>::ACROSS, V::splat(0.0));
+        let rows = self.of(mapped);
+        let mut sum = [zero; D];
+        for i in 0..Stencil::<D, W>::PLANES {
+            let mut plane = [zero; D];
+            let mut plane_flat = zero;
+            for j in 0..Stencil::<D, W>::ROWS {
+                let nodes = rows.row(i, j);
+                let (mut flat, mut steep) = (zero, zero);
+                for k in 0..W {
+                    let node = V::load(&nodes[k]);
+                    flat = self.value::<V>(last, k).mul_add(node, flat);
+                    steep = self.slope::<V>(last, k).mul_add(node, steep);
+                }
+                if D == 1 {
+                    return [steep; D];
+                }
+                let (value, slope) = (self.value::<V>(across, j), self.slope::<V>(across, j));
+                plane[last] = value.mul_add(steep, plane[last]);
+                plane[across] = slope.mul_add(flat, plane[across]);
+                plane_flat = value.mul_add(flat, plane_flat);
+            }
+            if D < 3 {
+                return plane;
+            }
+            let value = self.value::<V>(0, i);
+            sum[0] = self.slope::<V>(0, i).mul_add(plane_flat, sum[0]);
+            for axis in 1..D {
+                sum[axis] = value.mul_add(plane[axis], sum[axis]);
+            }
+        }
+        sum
+    }
+
+    /// sum N q of one particle.
+    pub fn average(&self, nodes: &[f64]) -> f64 {
+        let (rows, mut sum) = (self.of(nodes), 0.0);
+        for (i, j) in rows_of::<D, W>() {
+            for (k, node) in rows.row(i, j).iter().enumerate() {
+                sum += self.weight(i, j, k) * node;
+            }
+        }
+        sum
+    }
 }
 
 #[cfg(test)]
