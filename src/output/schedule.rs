@@ -173,7 +173,7 @@ impl Outputs {
         }
         self.open()?;
         for (name, value) in summary {
-            self.log.line(&format!("{name:<18}{value}"))?;
+            self.log.line(&format!("{name:<20}{value}"))?;
         }
         let memory = number::brief(megabytes);
         self.log.line(&format!(

@@ -3,12 +3,25 @@
 use super::{Simulation, Until};
 use crate::fault::Fault;
 use crate::memory;
+use crate::method::METHODS;
 use crate::model::column::Column;
+use crate::model::domain::Domain;
 use crate::model::grid::Node;
 use crate::model::group::Members;
+use crate::scheme::{SCHEMES, SchemeKind};
+use crate::shape::SHAPES;
 use crate::step::Stage;
+use crate::style::Style;
 use crate::time_step::TimeStep;
+use crate::transfer::TRANSFERS;
 use std::fmt::Write;
+
+/// `20 x 10 cells of 0.05`.
+fn cells_in_words(cells: &Domain) -> String {
+    let counts: Vec<String> =
+        cells.cells()[..cells.dimension].iter().map(|count| count.to_string()).collect();
+    format!("{} cells of {}", counts.join(" x "), cells.cell)
+}
 
 impl Simulation {
     /// Prepares the state a run would start from, and gives its stable time step; `None` without
@@ -39,16 +52,18 @@ impl Simulation {
         let mass: f64 = world.particles.position.iter().map(|position| position[3]).sum();
         let waves = world.solids.iter().map(|solid| solid.law.reference_wave_speed());
         let stable = self.stable_now();
-        let cells = world.domain.cells();
-        let grid: Vec<String> =
-            cells[..world.domain.dimension].iter().map(|n| n.to_string()).collect();
+        let grids: Vec<String> = match world.method.total {
+            true => world.solids.iter().map(|solid| cells_in_words(&solid.cells)).collect(),
+            false => vec![cells_in_words(&world.domain)],
+        };
         let dt = match self.fixed_dt {
             Some(dt) => format!("{dt} (set_dt); stable: {:.4e}", stable.dt),
             None => format!("{:.4e} ({} limit)", stable.dt, stable.limit.name()),
         };
         vec![
             ("particles", format!("{} in {} solids", world.particles.len(), world.solids.len())),
-            ("grid", format!("{} cells of {}", grid.join(" x "), world.domain.cell)),
+            ("method", self.method_in_words()),
+            ("grid", grids.join(", ")),
             ("nodes in memory", world.grid.len().to_string()),
             ("mass", format!("{mass:.6e}")),
             ("wave speed", format!("{:.6e}", waves.fold(0.0, f64::max))),
@@ -56,6 +71,33 @@ impl Simulation {
             ("memory", memory::text(self.bytes() as f64)),
             ("threads", rayon::current_num_threads().to_string()),
         ]
+    }
+
+    /// Method, transfer, shape and scheme, in the words of the script.
+    fn method_in_words(&self) -> String {
+        fn word<B: Copy>(table: &'static [Style<B>], is: impl Fn(B) -> bool) -> &'static str {
+            let row = table.iter().find(|row| row.build.is_some_and(&is));
+            row.map_or("", |row| row.name)
+        }
+        let (method, transfer) = (self.world.method, self.transfer);
+        let kind = std::mem::discriminant(&transfer.kind);
+        let mut words = vec![
+            word(METHODS, |total| total == method.total).to_string(),
+            word(TRANSFERS, |other| std::mem::discriminant(&other) == kind).to_string(),
+        ];
+        words.extend(transfer.filter_terms().map(|terms| terms.to_string()));
+        words.push(word(SHAPES, |shape| shape == method.shape).to_string());
+        match transfer.time_constant {
+            Some(tau) => words.push(format!("time-constant {tau}")),
+            None if transfer.kind.takes_blend() => words.push(transfer.alpha.to_string()),
+            None => {}
+        }
+        if transfer.gradient_enhanced {
+            words.push("gradient-enhanced".to_string());
+        }
+        let scheme = self.scheme.kind();
+        words.push(word(SCHEMES, |other| other.kind() == scheme).to_string());
+        words.join(", ")
     }
 
     /// Bytes of particles and nodes.
@@ -74,14 +116,14 @@ impl Simulation {
         self.ready()?;
         let mut text = String::new();
         for (name, value) in self.summary() {
-            let _ = writeln!(text, "{name:<18}{value}");
+            let _ = writeln!(text, "{name:<20}{value}");
         }
         if let Some(steps) = self.expected_steps(until) {
-            let _ = writeln!(text, "{:<18}about {steps}", "steps");
+            let _ = writeln!(text, "{:<20}about {steps}", "steps");
         }
-        let _ = writeln!(text, "{:<18}{}", "bytes per particle", self.world.particles.bytes_each());
+        let _ = writeln!(text, "{:<20}{}", "bytes per particle", self.world.particles.bytes_each());
         for (effect, reason) in self.effects() {
-            let _ = writeln!(text, "  {effect:<26}{reason}");
+            let _ = writeln!(text, "  {effect:<28}{reason}");
         }
         for (index, group) in self.world.groups.0.iter().enumerate().skip(1) {
             let count = match &group.members {
@@ -140,8 +182,23 @@ impl Simulation {
                 "one sweep for stress + P2G",
                 on(!split(&[Stage::InitialIntegrate]), "no fix acts between", "a fix acts between"),
             ),
+            (
+                "affine velocity field",
+                on(self.transfer.has_matrix(), "the transfer has one", "the transfer has none"),
+            ),
+            (
+                "second mapping",
+                on(self.scheme.kind() == SchemeKind::Musl, "scheme musl", "the scheme has none"),
+            ),
+            ("F-bar", on(self.world.method.averaged_dilation, "anti_locking", "anti_locking none")),
             ("temperature", "off: no material has a heat capacity".to_string()),
-            ("contact", "the grid's own, where bodies share nodes".to_string()),
+            (
+                "contact",
+                match self.world.method.total {
+                    true => "off: bodies have grids of their own and no contact fix".to_string(),
+                    false => "the grid's own, where bodies share nodes".to_string(),
+                },
+            ),
         ]
     }
 }
