@@ -2,10 +2,14 @@
 
 use karamelo::material::Elastic;
 use karamelo::material::linear::Linear;
+use karamelo::method::Method;
 use karamelo::model::domain::Domain;
 use karamelo::output::Outputs;
 use karamelo::region::sphere::Sphere;
+use karamelo::scheme::{Scheme, musl::Musl, usf::Usf, usl::Usl};
+use karamelo::shape::ShapeKind;
 use karamelo::simulation::{Simulation, Until};
+use karamelo::transfer::{Transfer, TransferKind};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::Arc;
@@ -41,22 +45,45 @@ fn allocations(simulation: &mut Simulation, steps: u64) -> usize {
     CALLS.get() - before
 }
 
-#[test]
-fn longer_runs_allocate_no_more_than_shorter_ones() {
+/// A shearing disk, run in the given way.
+fn disk(
+    total: bool,
+    shape: ShapeKind,
+    transfer: Transfer,
+    scheme: &'static dyn Scheme,
+) -> Simulation {
     let [lower, upper] = [[0.0; 3], [1.0, 1.0, 0.0]];
     let domain = Domain { dimension: 2, lower, upper, cell: 0.05 };
     let mut simulation = Simulation::new(domain, Outputs::silent());
+    simulation.set_method(Method { total, shape, averaged_dilation: shape != ShapeKind::Linear });
+    simulation.set_scheme(scheme);
+    simulation.transfer = transfer;
     let disk = Sphere { dimension: 2, centre: [0.5, 0.5, 0.0], radius: 0.3 };
     let law = Arc::new(Linear(Elastic::new(1000.0, 1e4, 0.3)));
     simulation.add_solid("disk", "mat", law, &disk, 2);
-    for (v, x) in
-        simulation.world.particles.velocity.iter_mut().zip(&simulation.world.particles.position)
-    {
+    let particles = &mut simulation.world.particles;
+    for (v, x) in particles.velocity.iter_mut().zip(&particles.position) {
         v[0] = 0.1 * (x[1] - 0.5);
     }
-    allocations(&mut simulation, 10);
-    let short = allocations(&mut simulation, 10);
-    let long = allocations(&mut simulation, 100);
-    println!("allocations: {short} in a run of 10 steps, {long} in a run of 100");
-    assert!(long <= short);
+    simulation
+}
+
+#[test]
+fn longer_runs_allocate_no_more_than_shorter_ones() {
+    use TransferKind::{Asflip, Flip, Mls, Xpic};
+    let ways: [(bool, ShapeKind, Transfer, &'static dyn Scheme); 5] = [
+        (false, ShapeKind::Linear, Transfer::new(Flip, 1.0), &Musl),
+        (false, ShapeKind::Cubic, Transfer::new(Mls, 0.0), &Usl),
+        (false, ShapeKind::Quadratic, Transfer::new(Xpic(3), 0.0), &Usf),
+        (true, ShapeKind::Bernstein, Transfer::new(Asflip, 0.99), &Musl),
+        (true, ShapeKind::Linear, Transfer::new(Flip, 1.0), &Musl),
+    ];
+    for (total, shape, transfer, scheme) in ways {
+        let mut simulation = disk(total, shape, transfer, scheme);
+        allocations(&mut simulation, 10);
+        let short = allocations(&mut simulation, 10);
+        let long = allocations(&mut simulation, 100);
+        println!("{shape:?} {transfer:?}: {short} allocations in 10 steps, {long} in 100");
+        assert!(long <= short, "{shape:?} {transfer:?}: {long} > {short}");
+    }
 }

@@ -33,11 +33,22 @@ dump(c, all, particle/bin, 60, p.*.bin, x, y, z, e11)
 dump(d, all, grid, 60, g.*.dump, x, y, z, vx, vy, vz, mass)
 ";
 
+/// Lines in place of `method(...)`: every sweep over particles and nodes is run by one of them.
+const METHODS: [&str; 6] = [
+    "method(ulmpm, FLIP, linear, 0.99)",
+    "method(ulmpm, AFLIP, cubic-spline, 0.99)\nscheme(usl)",
+    "method(ulmpm, XPIC, 2, quadratic-spline)\nscheme(usf)\nanti_locking(fbar)",
+    "method(ulmpm, MLS, quadratic-spline)",
+    "method(tlmpm, FLIP, Bernstein-quadratic, 0.99)\nanti_locking(fbar)",
+    "method(tlmpm, ASFLIP, cubic-spline, 0.99)",
+];
+
 /// Runs the script; gives the bytes of all dumps and the rows of the log.
-fn outputs(threads: &str, runs: &str) -> BTreeMap<String, Vec<u8>> {
+fn outputs(method: &str, threads: &str, runs: &str) -> BTreeMap<String, Vec<u8>> {
     let directory = tempfile::tempdir().unwrap();
     let script = directory.path().join("in.mpm");
-    std::fs::write(&script, format!("{SCRIPT}{runs}")).unwrap();
+    let text = SCRIPT.replace(METHODS[0], method);
+    std::fs::write(&script, format!("{text}{runs}")).unwrap();
     let status = Command::new(cargo_bin!("karamelo-rs"))
         .args(["in.mpm", "--quiet", "--threads", threads])
         .current_dir(directory.path())
@@ -71,12 +82,15 @@ fn read(directory: &Path) -> BTreeMap<String, Vec<u8>> {
 
 #[test]
 fn threads_do_not_change_a_byte() {
-    let one = outputs("1", "run(120)");
-    assert!(one.len() > 7 + 3 + 3 + 3, "{:?}", one.keys());
-    for threads in ["1", "2", "3"] {
-        let other = outputs(threads, "run(120)");
-        for (name, bytes) in &one {
-            assert!(other.get(name) == Some(bytes), "{name} differs with {threads} threads");
+    for method in METHODS {
+        let one = outputs(method, "1", "run(120)");
+        assert!(one.len() > 7 + 3 + 3 + 3, "{:?}", one.keys());
+        for threads in ["1", "2", "3"] {
+            let other = outputs(method, threads, "run(120)");
+            for (name, bytes) in &one {
+                let same = other.get(name) == Some(bytes);
+                assert!(same, "{method}: {name} differs with {threads} threads");
+            }
         }
     }
 }
@@ -84,7 +98,7 @@ fn threads_do_not_change_a_byte() {
 #[test]
 fn a_force_in_the_twelfth_digit_is_seen() {
     // The test above can fail.
-    let one = outputs("1", "run(20)");
-    let moved = outputs("1", "fix(nudge, body_force, all, 1e-12, 0, 0)\nrun(20)");
+    let one = outputs(METHODS[0], "1", "run(20)");
+    let moved = outputs(METHODS[0], "1", "fix(nudge, body_force, all, 1e-12, 0, 0)\nrun(20)");
     assert!(one["p.20.dump"] != moved["p.20.dump"]);
 }

@@ -4,15 +4,17 @@ use super::by_kind;
 use super::chunk::{SCRATCH, Scratch, spread};
 use super::points::of_one_solid;
 use super::shared::Shared;
-use super::stencil::rows_of;
+use super::stencil::{Frame, Stencil};
 use super::tiles::Tiles;
+use crate::material::state::load_tensor;
 use crate::material::{Description, LANES};
-use crate::math::v4::{Plain, Wide};
+use crate::math::v4::{Sweep, Wide, dispatch};
 use crate::math::wide::{Four, cofactors, in_space};
 use crate::model::column::{Column, ColumnSet};
 use crate::model::particles::Particles;
 use crate::shape::Shape;
 use crate::world::World;
+use std::marker::PhantomData;
 
 /// dilation += N m tr L for every particle.
 pub fn sweep(tiles: &mut Tiles, world: &mut World) {
@@ -24,7 +26,7 @@ fn sweep_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
     world: &mut World,
 ) {
     let description = world.description();
-    let total = description == Description::Total;
+    let total = world.method.total;
     let World { particles, grid, .. } = world;
     let places = if total { &particles.reference } else { &particles.position };
     let mapped = &grid.mapped;
@@ -33,31 +35,69 @@ fn sweep_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
         SCRATCH.with_borrow_mut(|scratch| {
             for range in of_one_solid(tile.range, &particles.solid) {
                 load_deformation(scratch, particles, D, range.clone());
-                let inverse = Plain::splat(tile.frame.inverse_spacing);
-                for (p, place) in places[range.clone()].iter().take(LANES).enumerate() {
-                    let stencil = tile.frame.stencil::<Plain, D, W, S>(Plain::load(place));
-                    let columns = stencil.gradient::<Plain>(mapped);
-                    for j in 0..D {
-                        (columns[j] * inverse).store(&mut scratch.records[j][p]);
-                    }
-                }
-                let groups = scratch.state.groups().end;
-                spread::<Plain, D>(&scratch.records, &mut scratch.gradient, groups);
-                traces::<Plain, D>(scratch, description);
-                for (p, place) in places[range].iter().take(LANES).enumerate() {
-                    let stencil = tile.frame.stencil::<Plain, D, W, S>(Plain::load(place));
-                    let amount = place[3] * scratch.numbers[p / 4][p % 4];
-                    // SAFETY: tiles of one colour share no node (see `tiles`).
-                    let mut rows = unsafe { stencil.of_shared(&dilation) };
-                    for (i, j) in rows_of::<D, W>() {
-                        for (k, node) in rows.row(i, j).iter_mut().enumerate() {
-                            *node += stencil.weight(i, j, k) * amount;
-                        }
-                    }
-                }
+                let places = &places[range];
+                let (frame, shape) = (tile.frame, PhantomData);
+                dispatch(Part::<'_, D, W, S> {
+                    places,
+                    scratch,
+                    frame,
+                    mapped,
+                    dilation,
+                    description,
+                    shape,
+                });
             }
         });
     });
+}
+
+/// One chunk.
+struct Part<'a, const D: usize, const W: usize, S> {
+    places: &'a [[f64; 4]],
+    scratch: &'a mut Scratch,
+    frame: &'a Frame,
+    mapped: &'a [[f64; 4]],
+    dilation: Shared<'a, f64>,
+    description: Description,
+    shape: PhantomData<S>,
+}
+
+impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Wide>(self) {
+        let Self { places, scratch, frame, mapped, dilation, description, .. } = self;
+        let inverse = V::splat(frame.inverse_spacing);
+        let len = places.len().min(LANES);
+        for p in 0..len {
+            let stencil = frame.stencil::<V, D, W, S>(V::load(&places[p]));
+            let columns = stencil.gradient::<V>(mapped);
+            for j in 0..D {
+                (columns[j] * inverse).store(&mut scratch.records[j][p]);
+            }
+        }
+        let groups = scratch.state.groups().end;
+        spread::<V, D>(&scratch.records, &mut scratch.gradient, groups);
+        for group in 0..groups {
+            let trace = trace_of::<V, D>(scratch, description, group);
+            trace.store(&mut scratch.numbers[group]);
+        }
+        for p in 0..len {
+            let stencil = frame.stencil::<V, D, W, S>(V::load(&places[p]));
+            let amount = places[p][3] * scratch.numbers[p / 4][p % 4];
+            // SAFETY: tiles of one colour share no node (see `tiles`).
+            let mut rows = unsafe { stencil.of_shared(&dilation) };
+            for i in 0..Stencil::<D, W>::PLANES {
+                for j in 0..Stencil::<D, W>::ROWS {
+                    let nodes = rows.row(i, j);
+                    for k in 0..W {
+                        nodes[k] += stencil.weight(i, j, k) * amount;
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// F of a chunk, where the scene has it.
@@ -74,24 +114,18 @@ fn load_deformation(
     });
 }
 
-/// numbers <- tr L; total Lagrangian: dF/dt : F^-T.
-fn traces<V: Wide, const D: usize>(scratch: &mut Scratch, description: Description) {
-    for group in scratch.state.groups() {
-        trace_of::<V, D>(scratch, description, group).store(&mut scratch.numbers[group]);
-    }
-}
-
+/// tr L; total Lagrangian: dF/dt : F^-T.
 #[inline(always)]
 fn trace_of<V: Wide, const D: usize>(
     scratch: &Scratch,
     description: Description,
     group: usize,
 ) -> V {
-    let rate = |entry: usize| V::load(&scratch.gradient[entry][group]);
+    let rate: Four<V> = load_tensor(&scratch.gradient, group);
     if description != Description::Total {
-        let mut trace = rate(0);
+        let mut trace = rate[0];
         for axis in 1..D {
-            trace = trace + rate(4 * axis);
+            trace = trace + rate[4 * axis];
         }
         return trace;
     }
@@ -100,7 +134,7 @@ fn trace_of<V: Wide, const D: usize>(
     let mut trace = V::splat(0.0);
     for entry in 0..9 {
         if in_space::<D>(entry) {
-            trace = rate(entry).mul_add(cofactor[entry], trace);
+            trace = rate[entry].mul_add(cofactor[entry], trace);
         }
     }
     trace / j
@@ -108,6 +142,7 @@ fn trace_of<V: Wide, const D: usize>(
 
 /// L <- L + (theta - tr L)/d I with theta in `numbers`; total Lagrangian:
 /// dF/dt <- dF/dt + (theta - tr L)/d F.
+#[inline(always)]
 pub fn replace<V: Wide, const D: usize>(scratch: &mut Scratch, description: Description) {
     for group in scratch.state.groups() {
         let theta = V::load(&scratch.numbers[group]);
@@ -115,7 +150,10 @@ pub fn replace<V: Wide, const D: usize>(scratch: &mut Scratch, description: Desc
         let shift = (theta - trace) / V::splat(D as f64);
         let total = description == Description::Total;
         let f: Four<V> = scratch.state.deformation_of_four(group);
-        for entry in (0..9).filter(|entry| in_space::<D>(*entry) && (total || entry % 4 == 0)) {
+        for entry in 0..9 {
+            if !in_space::<D>(entry) || !(total || entry % 4 == 0) {
+                continue;
+            }
             let rate = V::load(&scratch.gradient[entry][group]);
             let factor = if total { f[entry] } else { V::splat(1.0) };
             shift.mul_add(factor, rate).store(&mut scratch.gradient[entry][group]);

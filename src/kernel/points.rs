@@ -295,14 +295,13 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
 
     /// L <- L + (theta - tr L)/d I, theta the average over the grid; in total Lagrangian methods
     /// the same with L = dF/dt F^-1.
+    #[inline(always)]
     fn average_dilation<V: Wide>(&mut self) {
-        let frame = self.frame;
-        let mut theta = NOTHING;
-        for (p, place) in self.places().iter().enumerate() {
-            let stencil = frame.stencil::<V, D, W, S>(V::load(place));
-            theta[p / 4][p % 4] = stencil.average(self.seen.dilation);
+        let (frame, places) = (self.frame, self.places());
+        for p in 0..places.len().min(LANES) {
+            let stencil = frame.stencil::<V, D, W, S>(V::load(&places[p]));
+            self.scratch.numbers[p / 4][p % 4] = stencil.average(self.seen.dilation);
         }
-        self.scratch.numbers = theta;
         super::dilation::replace::<V, D>(self.scratch, self.seen.description);
     }
 

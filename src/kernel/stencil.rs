@@ -209,11 +209,14 @@ impl<const D: usize, const W: usize> Stencil<D, W> {
     }
 
     /// sum N q of one particle.
+    #[inline(always)]
     pub fn average(&self, nodes: &[f64]) -> f64 {
         let (rows, mut sum) = (self.of(nodes), 0.0);
-        for (i, j) in rows_of::<D, W>() {
-            for (k, node) in rows.row(i, j).iter().enumerate() {
-                sum += self.weight(i, j, k) * node;
+        for i in 0..Self::PLANES {
+            for j in 0..Self::ROWS {
+                for k in 0..W {
+                    sum += self.weight(i, j, k) * rows.row(i, j)[k];
+                }
             }
         }
         sum
