@@ -48,6 +48,31 @@ pub fn dimension(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagn
         let message = format!("{dimension} dimensions: 1, 2 or 3 are possible");
         return Err(Diagnostic::error(Code::Range, args.span, message).label("too many dimensions"));
     }
+    if args.remaining() == 0 {
+        old_form(args, "dimension(d, xlo, xhi, ..., h)");
+        let mut nothing = Domain::nothing(dimension);
+        nothing.cell = f64::NAN;
+        scene.domain = Some(nothing);
+        scene.box_follows_solids = true;
+        return Ok(action(move |session| session.simulation.set_domain(nothing)));
+    }
+    let (lower, upper) = limits(args, dimension)?;
+    if args.remaining() == 0 && dimension > 1 {
+        // The old form: the first solid brings the cell size.
+        old_form(args, "dimension(d, xlo, xhi, ylo, yhi, h)");
+        scene.domain = Some(Domain { dimension, lower, upper, cell: f64::NAN });
+        return Ok(action(|_| ()));
+    }
+    let span = args.next_span();
+    let cell = args.positive("the cell size h")?.value;
+    let domain = Domain { dimension, lower, upper, cell };
+    check_cells(&domain, span)?;
+    scene.domain = Some(domain);
+    Ok(action(move |session| session.simulation.set_domain(domain)))
+}
+
+/// Reads the limits of the box on each axis.
+fn limits(args: &mut Args<'_>, dimension: usize) -> Result<([f64; 3], [f64; 3]), Diagnostic> {
     let (mut lower, mut upper) = ([0.0; 3], [0.0; 3]);
     for axis in 0..dimension {
         let name = ["x", "y", "z"][axis];
@@ -61,16 +86,32 @@ pub fn dimension(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagn
         }
         (lower[axis], upper[axis]) = (low.value, high.value);
     }
-    if args.remaining() == 0 && dimension > 1 {
-        // The old form: the first solid brings the cell size.
-        old_form(args, "dimension(d, xlo, xhi, ylo, yhi, h)");
-        scene.domain = Some(Domain { dimension, lower, upper, cell: f64::NAN });
-        return Ok(action(|_| ()));
+    Ok((lower, upper))
+}
+
+/// `create_domain(xlo, xhi, ...[, h])`, an old form: the box of `dimension(d)`.
+pub fn create_domain(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    let mut domain = scene.need_domain(args.command)?;
+    if !scene.box_follows_solids || !scene.solids.is_empty() {
+        let message = "`create_domain` gives the box of an old `dimension(d)`, above all solids";
+        return Err(Diagnostic::error(Code::Order, args.command.span, message)
+            .label("the box is known already"));
+    }
+    old_form(args, "dimension(d, xlo, xhi, ..., h)");
+    (domain.lower, domain.upper) = limits(args, domain.dimension)?;
+    // Old scripts give all three axes; the surplus ones do not count.
+    let surplus = 2 * (3 - domain.dimension);
+    if args.remaining() >= surplus {
+        for _ in 0..surplus {
+            args.number("a limit")?;
+        }
     }
     let span = args.next_span();
-    let cell = args.positive("the cell size h")?.value;
-    let domain = Domain { dimension, lower, upper, cell };
-    check_cells(&domain, span)?;
+    if args.remaining() > 0 {
+        domain.cell = args.positive("the cell size h")?.value;
+        check_cells(&domain, span)?;
+    }
+    scene.box_follows_solids = false;
     scene.domain = Some(domain);
     Ok(action(move |session| session.simulation.set_domain(domain)))
 }

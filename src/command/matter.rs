@@ -4,6 +4,7 @@ use super::compatibility::old_form;
 use super::domain::check_cells;
 use super::method::check_nodes;
 use super::scene::{GroupEntry, Scene, SolidEntry};
+use super::session::Stop;
 use super::{Action, action};
 use crate::fix::GroupKind;
 use crate::material::MATERIALS;
@@ -90,6 +91,9 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
         check_cells(&domain, cell.span)?;
     }
     check_nodes(&domain, choice.method.shape, cell.span)?;
+    if scene.box_follows_solids {
+        follow_solid(args, scene, &domain, total)?;
+    }
     check_size(&domain, region.as_ref(), particles_per_cell, args, count_span)?;
     if args.rehearsal() {
         let entry = SolidEntry { region: region.clone(), particles_per_cell, cells: domain };
@@ -98,11 +102,14 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
     let cells = domain;
     let entry = SolidEntry { region: region.clone(), particles_per_cell, cells };
     scene.solids.declare(&id, entry)?;
-    let domain = scene.need_domain(args.command)?;
+    let (domain, follows) = (scene.need_domain(args.command)?, scene.box_follows_solids);
     Ok(action(move |session| {
         let simulation = &mut session.simulation;
         if brings_cell {
             simulation.set_domain(domain);
+        }
+        if follows {
+            simulation.world.domain = domain;
         }
         if default_method {
             simulation.set_method(choice.method);
@@ -137,6 +144,23 @@ fn form_of_solid(args: &mut Args<'_>, id: &Name) -> Result<(), Diagnostic> {
         }
         _ => {}
     }
+    Ok(())
+}
+
+/// Lets the box grow around a solid, as old scripts without a box expect.
+fn follow_solid(
+    args: &Args<'_>,
+    scene: &mut Scene,
+    cells: &Domain,
+    total: bool,
+) -> Result<(), Diagnostic> {
+    if !total {
+        let message = "`ulmpm` needs the box and cell size in `dimension`";
+        return Err(Diagnostic::error(Code::Missing, args.command.span, message)
+            .label("only total Lagrangian solids bring a grid of their own")
+            .help("the modern line is `dimension(d, xlo, xhi, ..., h)`"));
+    }
+    scene.domain = scene.domain.map(|domain| domain.around(cells));
     Ok(())
 }
 
@@ -239,6 +263,27 @@ fn check_solid(
         }
     }
     Ok(())
+}
+
+/// `delete_particles(solid|all, region, ID)`
+pub fn delete_particles(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    let solid = match args.keyword("all") {
+        true => None,
+        false => {
+            let name = args.word("a solid ID or `all`")?;
+            Some(scene.solids.find(&name)?.0)
+        }
+    };
+    args.choice("way to choose particles", &["region"])?;
+    let name = args.word("a region ID")?;
+    let region = scene.regions.find(&name)?.1.clone();
+    let nothing_left =
+        Diagnostic::error(Code::NothingLeft, name.span, "no particle of the solid is left")
+            .label("holds all of them");
+    Ok(Box::new(move |session| match session.simulation.delete_particles(solid, region.as_ref()) {
+        true => Ok(()),
+        false => Err(Stop::Script(vec![nothing_left])),
+    }))
 }
 
 /// `group(ID, particles|nodes, region, regionID [, all | solid, s1, ...])`

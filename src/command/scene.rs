@@ -132,6 +132,8 @@ pub struct Scene {
     pub scheme: SchemeKind,
     /// Box and cells.
     pub domain: Option<Domain>,
+    /// The box is that around the solids (old scripts, total Lagrangian).
+    pub box_follows_solids: bool,
     /// Regions.
     pub regions: Names<Arc<dyn Region>>,
     /// Materials.
@@ -162,6 +164,7 @@ impl Default for Scene {
             method: None,
             scheme: SchemeKind::Musl,
             domain: None,
+            box_follows_solids: false,
             regions: Names::new("region"),
             materials: Names::new("material"),
             solids: Names::new("solid"),

@@ -14,6 +14,23 @@ pub struct Domain {
 }
 
 impl Domain {
+    /// A box that holds nothing yet.
+    pub fn nothing(dimension: usize) -> Self {
+        let [mut lower, mut upper] = [[0.0; 3]; 2];
+        lower[..dimension].fill(f64::INFINITY);
+        upper[..dimension].fill(f64::NEG_INFINITY);
+        Self { dimension, lower, upper, cell: 1.0 }
+    }
+
+    /// The smallest box around this one and another, with the cell size of this one.
+    pub fn around(&self, other: &Domain) -> Self {
+        Self {
+            lower: std::array::from_fn(|axis| self.lower[axis].min(other.lower[axis])),
+            upper: std::array::from_fn(|axis| self.upper[axis].max(other.upper[axis])),
+            ..*self
+        }
+    }
+
     /// Cells of another size between other limits.
     pub fn of_limits(&self, lower: [f64; 3], upper: [f64; 3], cell: f64) -> Self {
         let corner = |limits: [f64; 3]| {

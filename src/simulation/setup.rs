@@ -146,6 +146,18 @@ impl Simulation {
         self.world.particles.len() - before
     }
 
+    /// Removes the particles of a solid (`None`: of all) whose reference place is inside the region;
+    /// tells whether every solid has a particle left.
+    pub fn delete_particles(&mut self, solid: Option<usize>, region: &dyn Region) -> bool {
+        let particles = &mut self.world.particles;
+        let chosen = |p: usize| solid.is_none_or(|solid| solid == particles.solid[p] as usize);
+        let keep: Vec<bool> = (0..particles.len())
+            .map(|p| !(chosen(p) && region.contains(particles.reference_place(p))))
+            .collect();
+        particles.retain(&keep);
+        (0..self.world.solids.len() as u16).all(|solid| particles.solid.contains(&solid))
+    }
+
     /// The group of a name.
     pub fn group(&self, name: &str) -> Option<GroupId> {
         self.world.groups.0.iter().position(|group| group.name == name).map(GroupId)
