@@ -177,15 +177,13 @@ impl Parts<'_> {
     /// The first fault of a fix.
     pub fn update_grid(&mut self) -> Result<(), Fault> {
         let tiles = &mut self.loops.tiles;
-        let terms = self.transfer.filter_terms();
-        if let Some(terms) = terms {
-            filter::apply(tiles, self.world, &mut self.loops.spare, terms);
-        }
         grid::update(&mut self.world.grid, tiles.parallel, self.clock.dt);
+        self.world.grid.held.clear();
         self.loops.timing.end(Phase::Grid);
         self.act(Stage::PostUpdateGridState)?;
-        if terms.is_some() {
-            filter::exchange(&mut self.world.grid);
+        if let Some(terms) = self.transfer.filter_terms() {
+            filter::apply(&mut self.loops.tiles, self.world, &mut self.loops.spare, terms);
+            self.loops.timing.end(Phase::Grid);
         }
         Ok(())
     }

@@ -1,7 +1,8 @@
 //! The filter of XPIC(m): nodal velocities without the smoothing of one mapping to and fro.
 //!
 //! v' = sum_{k=1..m} (-1)^(k+1) C(m, k) (S+ S)^(k-1) S+ V with S: grid to particles and S+: particles
-//! to grid by mass. `Grid::filtered` becomes v' - v; particles then take sum N (v* + v' - v).
+//! to grid by mass. Prescribed velocities hold in each S+, as if the body went on behind the wall.
+//! `Grid::filtered` is v' - v; particles then take sum N (v* + v' - v).
 //!
 //! # Source  Hammerquist and Nairn 2017
 
@@ -11,12 +12,12 @@ use super::shared::Shared;
 use super::stencil::rows_of;
 use super::tiles::Tiles;
 use crate::math::v4::{Sweep, Wide, dispatch};
-use crate::model::grid::Grid;
+use crate::model::grid::{Grid, Node};
 use crate::shape::Shape;
 use crate::world::World;
 use std::marker::PhantomData;
 
-/// filtered <- v' - v, from the momentum and mass of P2G. `spare` is memory.
+/// change <- v' - v, what particles gather beside v* in place of v* - v. `spare` is memory.
 pub fn apply(tiles: &mut Tiles, world: &mut World, spare: &mut Vec<[f64; 4]>, terms: u32) {
     start(&mut world.grid, tiles.parallel, f64::from(terms));
     let mut factor = f64::from(terms);
@@ -28,15 +29,19 @@ pub fn apply(tiles: &mut Tiles, world: &mut World, spare: &mut Vec<[f64; 4]>, te
         project(tiles, world, spare);
         add(&mut world.grid, spare, factor);
     }
+    finish(&mut world.grid);
+}
+
+/// v of a node after the update and H3.
+fn velocity(node: &Node, axis: usize) -> f64 {
+    node.motion[axis] - node.change[axis]
 }
 
 /// mapped <- v, filtered <- (m - 1) v.
 fn start(grid: &mut Grid, parallel: bool, terms: f64) {
-    let cutoff = grid.mass_cutoff;
     for_each_run(grid, parallel, |nodes, mapped| {
         for (node, mapped) in nodes.iter().zip(mapped) {
-            let inverse = inverse_mass(node, cutoff);
-            *mapped = node.motion.map(|momentum| inverse * momentum);
+            *mapped = [velocity(node, 0), velocity(node, 1), velocity(node, 2), 0.0];
         }
     });
     for (filtered, v) in grid.filtered.iter_mut().zip(&grid.mapped) {
@@ -104,22 +109,28 @@ impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
     }
 }
 
-/// mapped <- spare/m, filtered += factor mapped.
+/// mapped <- spare/m, or v where it is prescribed; filtered += factor mapped.
 fn add(grid: &mut Grid, spare: &[[f64; 4]], factor: f64) {
-    let Grid { nodes, mapped, filtered, runs, mass_cutoff, .. } = grid;
+    let Grid { nodes, mapped, filtered, held, runs, mass_cutoff, .. } = grid;
     for node in runs.iter().cloned().flatten() {
         let inverse = inverse_mass(&nodes[node], *mass_cutoff);
         mapped[node] = spare[node].map(|momentum| inverse * momentum);
+    }
+    for (node, axis) in held.iter().copied() {
+        mapped[node][axis] = velocity(&nodes[node], axis);
+    }
+    for node in runs.iter().cloned().flatten() {
         for (filtered, v) in filtered[node].iter_mut().zip(mapped[node]) {
             *filtered += factor * v;
         }
     }
 }
 
-/// change <- v' - v: what particles gather beside v* in place of v* - v.
-pub fn exchange(grid: &mut Grid) {
-    let Grid { nodes, filtered, runs, .. } = grid;
+/// change <- v' - v; the second mapping is cleared again.
+fn finish(grid: &mut Grid) {
+    let Grid { nodes, mapped, filtered, runs, .. } = grid;
     for node in runs.iter().cloned().flatten() {
         nodes[node].change[..3].copy_from_slice(&filtered[node][..3]);
+        mapped[node] = [0.0; 4];
     }
 }

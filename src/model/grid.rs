@@ -34,6 +34,8 @@ pub struct Grid {
     pub displaced: Vec<[f64; 4]>,
     /// XPIC: the filtered velocity less v; empty for other transfers.
     pub filtered: Vec<[f64; 4]>,
+    /// XPIC: nodes and axes whose velocity is prescribed in this step.
+    pub held: Vec<(usize, usize)>,
     /// F-bar: m tr L of the particles, then the average of tr L; empty otherwise.
     pub dilation: Vec<f64>,
     /// Optional arrays that the scene needs.
@@ -110,7 +112,7 @@ impl Grid {
             nodes: &mut self.nodes,
             mapped: &mut self.mapped,
             external: &mut self.external,
-            filtered: &mut self.filtered,
+            held: if self.filtered.is_empty() { None } else { Some(&mut self.held) },
             mass_cutoff: self.mass_cutoff,
         };
         let places = Places { lattices: &self.lattices, displaced: &self.displaced };
@@ -148,7 +150,8 @@ pub struct Nodal<'a> {
     nodes: &'a mut [Node],
     mapped: &'a mut [[f64; 4]],
     external: &'a mut [[f64; 4]],
-    filtered: &'a mut [[f64; 4]],
+    /// The list of prescribed components, if something reads it.
+    held: Option<&'a mut Vec<(usize, usize)>>,
     mass_cutoff: f64,
 }
 
@@ -174,8 +177,8 @@ impl Nodal<'_> {
     /// Prescribes one component of the velocity (H3): `start` replaces v, `end` replaces v*.
     /// Returns the v* it had.
     pub fn prescribe(&mut self, node: usize, axis: usize, start: f64, end: f64) -> f64 {
-        if let Some(filtered) = self.filtered.get_mut(node) {
-            filtered[axis] = 0.0;
+        if let Some(held) = &mut self.held {
+            held.push((node, axis));
         }
         let node = &mut self.nodes[node];
         let free = node.motion[axis];
