@@ -5,7 +5,12 @@
 
 mod bar;
 mod combinations;
+mod convergence;
 mod fixes;
 mod invariants;
+mod manufactured;
+mod mirror;
 mod scene;
+mod script;
 mod two_disks;
+mod way;

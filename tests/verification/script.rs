@@ -1,0 +1,98 @@
+//! Plays scripts in silence and reads the logs they write.
+
+use karamelo::command::play::{perform, rehearse};
+use karamelo::command::session::{Mode, Session, Stop};
+use karamelo::output::{OutputOptions, Outputs};
+use karamelo::script::diagnostic::{Diagnostic, Severity, render};
+use karamelo::script::source::Source;
+use std::path::Path;
+
+/// A script that can be changed before it is played.
+#[derive(Clone)]
+pub struct Script {
+    name: String,
+    text: String,
+}
+
+/// The log of a script, and how the run ended.
+pub struct Played {
+    names: Vec<String>,
+    rows: Vec<Vec<f64>>,
+    /// What went wrong, in the words the user sees.
+    pub end: Result<(), String>,
+    /// The state at the end.
+    pub session: Session,
+}
+
+impl Script {
+    /// A script of its own.
+    pub fn new(name: &str, text: &str) -> Self {
+        Self { name: name.to_string(), text: text.to_string() }
+    }
+
+    /// A script of the folder `inputs`.
+    pub fn input(name: &str) -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("inputs").join(name);
+        Self { name: name.to_string(), text: std::fs::read_to_string(path).unwrap() }
+    }
+
+    /// Its file name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Puts something else in the place of words that stand in the script exactly once.
+    pub fn replace(mut self, old: &str, new: &str) -> Self {
+        let count = self.text.matches(old).count();
+        assert_eq!(count, 1, "`{old}` stands {count} times in {}", self.name);
+        self.text = self.text.replace(old, new);
+        self
+    }
+
+    /// Puts another statement in the place of the only call that begins so.
+    pub fn statement(self, beginning: &str, statement: &str) -> Self {
+        let lines = self.text.lines().filter(|line| line.starts_with(beginning));
+        let old: Vec<String> = lines.map(|line| format!("\n{line}\n")).collect();
+        assert_eq!(old.len(), 1, "`{beginning}` begins {} lines of {}", old.len(), self.name);
+        self.replace(&old[0], &format!("\n{statement}\n"))
+    }
+
+    /// Plays the script; `variables` win over its assignments, as with `-var`.
+    pub fn play(&self, variables: &[(&str, f64)]) -> Played {
+        let variables: Vec<(String, String)> =
+            variables.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
+        let source = Source::new(self.name.clone(), &self.text);
+        let (script, found) = rehearse(source, &variables);
+        let mistakes: Vec<Diagnostic> =
+            found.into_iter().filter(|remark| remark.severity == Severity::Error).collect();
+        assert!(mistakes.is_empty(), "{}", render(&mistakes, &script.source, false));
+        let directory = tempfile::tempdir().unwrap();
+        let log = directory.path().join("log.mpm");
+        let title = self.name.clone();
+        let options = OutputOptions { quiet: true, log: Some(log.clone()), title };
+        let mut session = Session::new(Outputs::new(options), Mode::Run);
+        let end = perform(&script, &mut session).map_err(|stop| match stop {
+            Stop::Fault(fault) => fault.to_string(),
+            Stop::Script(mistakes) => render(&mistakes, &script.source, false),
+            Stop::Interrupted => "interrupted".to_string(),
+        });
+        session.simulation.outputs.close().unwrap();
+        let text = std::fs::read_to_string(log).unwrap();
+        let names = text.lines().find(|line| line.trim_start().starts_with("Step "));
+        let names = names.unwrap_or("").split_whitespace().map(str::to_string).collect();
+        let numbers = |line: &str| {
+            line.split_whitespace().map(|word| word.parse().ok()).collect::<Option<Vec<f64>>>()
+        };
+        let rows = text.lines().filter_map(numbers).filter(|row| !row.is_empty()).collect();
+        Played { names, rows, end, session }
+    }
+}
+
+impl Played {
+    /// A column of the log.
+    pub fn column(&self, name: &str) -> Vec<f64> {
+        let known = self.names.iter().position(|known| known == name);
+        let place = known.unwrap_or_else(|| panic!("no column `{name}` in {:?}", self.names));
+        self.rows.iter().map(|row| row[place]).collect()
+    }
+}
