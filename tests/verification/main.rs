@@ -13,4 +13,5 @@ mod mirror;
 mod scene;
 mod script;
 mod two_disks;
+mod vortex;
 mod way;
