@@ -339,7 +339,7 @@ fn every_transfer_has_the_error_in_a_cube_that_it_has_on_a_square() {
 }
 
 #[test]
-#[ignore = "two minutes: cargo test --release -- --ignored"]
-fn every_way_has_the_order_in_a_cube_that_it_has_on_a_square() {
-    as_on_a_square(&[8, 16], |_| true);
+#[ignore = "minutes: cargo test --release -- --ignored"]
+fn every_transfer_has_the_order_in_a_cube_that_it_has_on_a_square() {
+    as_on_a_square(&[8, 16], |way| way.scheme == "musl");
 }

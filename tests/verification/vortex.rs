@@ -157,7 +157,7 @@ fn usf_turns_the_vortex_as_in_the_independent_model() {
 }
 
 #[test]
-#[ignore = "a minute: cargo test --release -- --ignored"]
+#[ignore = "minutes: cargo test --release -- --ignored"]
 fn every_way_turns_the_vortex_as_in_the_independent_model_on_two_grids() {
     for scheme in ["musl", "usl", "usf"] {
         all_ways(scheme, 2);
