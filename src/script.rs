@@ -6,6 +6,7 @@ pub mod diagnostic;
 pub mod formula;
 pub mod function;
 pub mod parse;
+mod program;
 #[cfg(test)]
 mod properties;
 pub mod scope;

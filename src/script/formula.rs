@@ -1,8 +1,8 @@
 //! Formulas: compiled once to a flat tape, evaluated per step or per chunk of points.
 
-use super::tape::{BLOCK, Context, Operation, subtree_starts, with_stack};
+use super::program::Program;
+use super::tape::{Context, Operation, with_stack};
 use super::text;
-use std::ops::Range;
 use std::sync::Arc;
 
 /// Place on the board of one published quantity.
@@ -82,18 +82,12 @@ pub struct Formula(Arc<Tape>);
 #[derive(Debug)]
 struct Tape {
     operations: Vec<Operation>,
-    /// The same operations; those that are equal at all points in runs, evaluated once per block.
-    runs: Vec<Run>,
+    /// The same for many points.
+    program: Program,
     /// Values alive at the same time.
     depth: usize,
     slots: Vec<Slot>,
     text: String,
-}
-
-#[derive(Debug)]
-enum Run {
-    Point(usize),
-    Uniform(Range<usize>),
 }
 
 impl Formula {
@@ -124,9 +118,9 @@ impl Formula {
             .collect();
         slots.sort_unstable();
         slots.dedup();
-        let runs = runs(&operations);
+        let program = Program::new(&operations);
         let text = text::formula(&operations, name);
-        Self(Arc::new(Tape { operations, runs, depth, slots, text }))
+        Self(Arc::new(Tape { operations, program, depth, slots, text }))
     }
 
     pub(super) fn operations(&self) -> &[Operation] {
@@ -193,66 +187,8 @@ impl Formula {
 
     /// Values at points: `out[i]` for each point (any number; evaluated in blocks of 64).
     pub fn fill(&self, board: &Board, now: &Instant, points: &Points<'_>, out: &mut [f64]) {
-        if let [Run::Uniform(_)] = self.0.runs[..] {
-            out.fill(self.value(board, now));
-            return;
-        }
-        let context = Context { board, now, points: Some(points) };
-        with_stack(self.0.depth, |uniform_stack| {
-            with_stack(self.0.depth * BLOCK.min(out.len()), |stack| {
-                for (block, out) in out.chunks_mut(BLOCK).enumerate() {
-                    let (mut top, first, width) = (0, block * BLOCK, out.len());
-                    for run in &self.0.runs {
-                        match run {
-                            Run::Point(index) => {
-                                let operation = &self.0.operations[*index];
-                                context.perform(operation, stack, &mut top, first, width);
-                            }
-                            Run::Uniform(range) => {
-                                let operations = &self.0.operations[range.clone()];
-                                let value = context.scalar(operations, uniform_stack);
-                                stack[top * width..][..width].fill(value);
-                                top += 1;
-                            }
-                        }
-                    }
-                    out.copy_from_slice(&stack[..width]);
-                }
-            });
-        });
+        self.0.program.fill(&Context { board, now, points: Some(points) }, out);
     }
-}
-
-/// Cuts a tape into operations that differ from point to point and longest runs that do not.
-fn runs(operations: &[Operation]) -> Vec<Run> {
-    let starts = subtree_starts(operations);
-    let varies: Vec<bool> = {
-        let mut points_before = 0;
-        let counts: Vec<usize> = operations
-            .iter()
-            .map(|operation| {
-                points_before += usize::from(operation.reads_point());
-                points_before
-            })
-            .collect();
-        let before = |index: usize| if index == 0 { 0 } else { counts[index - 1] };
-        (0..operations.len()).map(|index| counts[index] > before(starts[index])).collect()
-    };
-    let mut runs = Vec::new();
-    let mut end = operations.len();
-    // Backwards, the root of each longest uniform subtree comes before the rest of it.
-    while end > 0 {
-        let root = end - 1;
-        if varies[root] {
-            runs.push(Run::Point(root));
-            end = root;
-        } else {
-            runs.push(Run::Uniform(starts[root]..end));
-            end = starts[root];
-        }
-    }
-    runs.reverse();
-    runs
 }
 
 #[cfg(test)]

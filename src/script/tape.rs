@@ -42,6 +42,28 @@ impl Operation {
         matches!(self, Self::Current(_) | Self::Reference(_))
     }
 
+    /// Equal for operations that give equal values from equal operands.
+    pub(super) fn key(&self) -> (u8, u64) {
+        let function = |function: &'static Function| std::ptr::from_ref(function) as u64;
+        match self {
+            Self::Constant(value) => (0, value.to_bits()),
+            Self::Unknown => (1, 0),
+            Self::Slot(slot) => (2, slot.0 as u64),
+            Self::Time => (3, 0),
+            Self::StepSize => (4, 0),
+            Self::StepNumber => (5, 0),
+            Self::Current(axis) => (6, *axis as u64),
+            Self::Reference(axis) => (7, *axis as u64),
+            Self::Negate => (8, 0),
+            Self::Not => (9, 0),
+            Self::Square => (10, 0),
+            Self::Operator(operator) => (11, *operator as u64),
+            Self::One(row, _) => (12, function(row)),
+            Self::Two(row, _) => (13, function(row)),
+            Self::Select => (14, 0),
+        }
+    }
+
     /// Is it one fixed number, known or not?
     pub(super) fn is_constant(&self) -> bool {
         matches!(self, Self::Constant(_) | Self::Unknown)
@@ -66,6 +88,8 @@ pub(super) fn with_stack<R>(values: usize, use_it: impl FnOnce(&mut [f64]) -> R)
         use_it(&mut [0.0; 4 * BLOCK])
     } else if values <= 16 * BLOCK {
         use_it(&mut [0.0; 16 * BLOCK])
+    } else if values <= 96 * BLOCK {
+        use_it(&mut [0.0; 96 * BLOCK])
     } else {
         use_it(&mut vec![0.0; values])
     }
@@ -83,64 +107,56 @@ impl Context<'_> {
     pub(super) fn scalar(&self, operations: &[Operation], stack: &mut [f64]) -> f64 {
         let mut top = 0;
         for operation in operations {
-            self.perform(operation, stack, &mut top, 0, 1);
+            top -= operation.operands();
+            let operands = [0, 1, 2].map(|n| stack.get(top + n).copied().unwrap_or(0.0));
+            let operands = operands.each_ref().map(std::slice::from_ref);
+            self.perform(operation, operands, 0, &mut stack[top..=top]);
+            top += 1;
         }
         stack[0]
     }
 
-    /// Performs one operation on rows of `width` values, for the points from `first` on.
+    /// Performs one operation on rows of values, for the points from `first` on.
     pub(super) fn perform(
         &self,
         operation: &Operation,
-        stack: &mut [f64],
-        top: &mut usize,
+        [a, b, c]: [&[f64]; 3],
         first: usize,
-        width: usize,
+        out: &mut [f64],
     ) {
-        let row = *top * width;
-        *top = *top + 1 - operation.operands();
         match *operation {
-            Operation::Constant(value) => stack[row..row + width].fill(value),
-            Operation::Unknown => stack[row..row + width].fill(f64::NAN),
+            Operation::Constant(value) => out.fill(value),
+            Operation::Unknown => out.fill(f64::NAN),
             Operation::Slot(slot) => {
-                let value = self.board.values.get(slot.0).copied().unwrap_or(f64::NAN);
-                stack[row..row + width].fill(value);
+                out.fill(self.board.values.get(slot.0).copied().unwrap_or(f64::NAN));
             }
-            Operation::Time => stack[row..row + width].fill(self.now.time),
-            Operation::StepSize => stack[row..row + width].fill(self.now.dt),
-            Operation::StepNumber => stack[row..row + width].fill(self.now.step as f64),
+            Operation::Time => out.fill(self.now.time),
+            Operation::StepSize => out.fill(self.now.dt),
+            Operation::StepNumber => out.fill(self.now.step as f64),
             Operation::Current(axis) => {
-                copy(
-                    self.points.map(|points| points.current[axis]),
-                    first,
-                    &mut stack[row..row + width],
-                );
+                copy(self.points.map(|points| points.current[axis]), first, out);
             }
             Operation::Reference(axis) => {
-                copy(
-                    self.points.map(|points| points.reference[axis]),
-                    first,
-                    &mut stack[row..row + width],
-                );
+                copy(self.points.map(|points| points.reference[axis]), first, out);
             }
-            Operation::Negate => one(&mut stack[row - width..row], |a| -a),
-            Operation::Not => one(&mut stack[row - width..row], |a| truth(a == 0.0)),
-            Operation::Square => one(&mut stack[row - width..row], |a| a * a),
-            Operation::One(_, function) => one(&mut stack[row - width..row], function),
-            Operation::Two(_, function) => two(&mut stack[row - 2 * width..row], function),
-            Operation::Operator(operator) => operate(operator, &mut stack[row - 2 * width..row]),
-            Operation::Select => select(&mut stack[row - 3 * width..row]),
+            Operation::Negate => one(a, out, |a| -a),
+            Operation::Not => one(a, out, |a| truth(a == 0.0)),
+            Operation::Square => one(a, out, |a| a * a),
+            Operation::One(_, function) => one(a, out, function),
+            Operation::Two(_, function) => two(a, b, out, function),
+            Operation::Operator(operator) => operate(operator, a, b, out),
+            Operation::Select => select([a, b, c], out),
         }
     }
 }
 
 /// The value of an operation on constants.
 pub(super) fn fold(operation: &Operation, operands: &[f64]) -> f64 {
-    let mut stack = [0.0; 3];
-    stack[..operands.len()].copy_from_slice(operands);
+    let operand = |n: usize| operands.get(n..=n).unwrap_or(&[]);
     let context = Context { board: &Board::default(), now: &Instant::default(), points: None };
-    context.perform(operation, &mut stack, &mut operands.len(), 0, 1);
-    stack[0]
+    let mut value = [0.0];
+    context.perform(operation, [operand(0), operand(1), operand(2)], 0, &mut value);
+    value[0]
 }
 
 fn copy(from: Option<&[f64]>, first: usize, row: &mut [f64]) {
@@ -155,43 +171,40 @@ fn truth(holds: bool) -> f64 {
 }
 
 #[inline(always)]
-fn one(row: &mut [f64], function: impl Fn(f64) -> f64) {
-    for value in row {
-        *value = function(*value);
+fn one(from: &[f64], out: &mut [f64], function: impl Fn(f64) -> f64) {
+    for (value, a) in out.iter_mut().zip(from) {
+        *value = function(*a);
     }
 }
 
 #[inline(always)]
-fn two(rows: &mut [f64], function: impl Fn(f64, f64) -> f64) {
-    let (left, right) = rows.split_at_mut(rows.len() / 2);
-    for (a, b) in left.iter_mut().zip(right) {
-        *a = function(*a, *b);
+fn two(left: &[f64], right: &[f64], out: &mut [f64], function: impl Fn(f64, f64) -> f64) {
+    for ((value, a), b) in out.iter_mut().zip(left).zip(right) {
+        *value = function(*a, *b);
     }
 }
 
 /// Takes the chosen value of each point, so that what the other branch gives does not matter.
-fn select(rows: &mut [f64]) {
-    let (condition, branches) = rows.split_at_mut(rows.len() / 3);
-    let (yes, no) = branches.split_at(branches.len() / 2);
-    for ((condition, yes), no) in condition.iter_mut().zip(yes).zip(no) {
-        *condition = if *condition != 0.0 { *yes } else { *no };
+fn select([condition, yes, no]: [&[f64]; 3], out: &mut [f64]) {
+    for (((value, condition), yes), no) in out.iter_mut().zip(condition).zip(yes).zip(no) {
+        *value = if *condition != 0.0 { *yes } else { *no };
     }
 }
 
-fn operate(operator: Operator, rows: &mut [f64]) {
+fn operate(operator: Operator, a: &[f64], b: &[f64], out: &mut [f64]) {
     match operator {
-        Operator::Power => two(rows, f64::powf),
-        Operator::Multiply => two(rows, |a, b| a * b),
-        Operator::Divide => two(rows, |a, b| a / b),
-        Operator::Add => two(rows, |a, b| a + b),
-        Operator::Subtract => two(rows, |a, b| a - b),
-        Operator::Less => two(rows, |a, b| truth(a < b)),
-        Operator::LessEqual => two(rows, |a, b| truth(a <= b)),
-        Operator::Greater => two(rows, |a, b| truth(a > b)),
-        Operator::GreaterEqual => two(rows, |a, b| truth(a >= b)),
-        Operator::Equal => two(rows, |a, b| truth(a == b)),
-        Operator::NotEqual => two(rows, |a, b| truth(a != b)),
-        Operator::And => two(rows, |a, b| truth(a != 0.0 && b != 0.0)),
-        Operator::Or => two(rows, |a, b| truth(a != 0.0 || b != 0.0)),
+        Operator::Power => two(a, b, out, f64::powf),
+        Operator::Multiply => two(a, b, out, |a, b| a * b),
+        Operator::Divide => two(a, b, out, |a, b| a / b),
+        Operator::Add => two(a, b, out, |a, b| a + b),
+        Operator::Subtract => two(a, b, out, |a, b| a - b),
+        Operator::Less => two(a, b, out, |a, b| truth(a < b)),
+        Operator::LessEqual => two(a, b, out, |a, b| truth(a <= b)),
+        Operator::Greater => two(a, b, out, |a, b| truth(a > b)),
+        Operator::GreaterEqual => two(a, b, out, |a, b| truth(a >= b)),
+        Operator::Equal => two(a, b, out, |a, b| truth(a == b)),
+        Operator::NotEqual => two(a, b, out, |a, b| truth(a != b)),
+        Operator::And => two(a, b, out, |a, b| truth(a != 0.0 && b != 0.0)),
+        Operator::Or => two(a, b, out, |a, b| truth(a != 0.0 || b != 0.0)),
     }
 }
