@@ -179,6 +179,15 @@ pub fn check_nodes(cells: &Domain, shape: ShapeKind, span: Span) -> Result<(), D
 fn warn_if_fragile(args: &mut Args<'_>, scene: &Scene) {
     let Some(Choice { method, transfer }) = scene.method else { return };
     let usl = scene.scheme == SchemeKind::Usl;
+    let pushed = scene.scheme == SchemeKind::Usf && transfer.gradient_enhanced;
+    if pushed && transfer.kind == TransferKind::Flip {
+        let message = "`usf` with FLIP and `gradient-enhanced` is unstable";
+        args.remarks.push(
+            Diagnostic::warning(Code::UnstableStep, args.command.span, message)
+                .label("gains energy at any time step")
+                .help("`musl` and `usl` are stable, and so is PIC"),
+        );
+    }
     if time_step::is_fragile(&transfer, usl, method.shape) {
         let message = "no time step is stable for every place of a particle in its cell";
         let reason = match usl {
