@@ -59,9 +59,15 @@ impl Scratch {
     }
 }
 
-/// gradient <- records, entry by entry.
+/// gradient <- factor times records, entry by entry.
 #[inline(always)]
-pub fn spread<V: Wide, const D: usize>(records: &Records, gradient: &mut [Lane; 9], groups: usize) {
+pub fn spread<V: Wide, const D: usize>(
+    records: &Records,
+    factor: f64,
+    gradient: &mut [Lane; 9],
+    groups: usize,
+) {
+    let factor = V::splat(factor);
     for group in 0..groups.min(GROUPS) {
         for j in 0..D {
             let mut four = [V::splat(0.0); 4];
@@ -70,7 +76,7 @@ pub fn spread<V: Wide, const D: usize>(records: &Records, gradient: &mut [Lane; 
             }
             let rows = V::transpose(four);
             for i in 0..D {
-                rows[i].store(&mut gradient[3 * i + j][group]);
+                (factor * rows[i]).store(&mut gradient[3 * i + j][group]);
             }
         }
     }
@@ -82,15 +88,15 @@ pub fn spread<V: Wide, const D: usize>(records: &Records, gradient: &mut [Lane; 
     }
 }
 
-/// records <- the columns of J sigma (updated Lagrangian) or of P = J sigma F^-T: what times
-/// -V0 grad N is the nodal force.
-pub fn stresses(description: Description, law: &dyn Law, scratch: &mut Scratch) {
+/// records <- factor times the columns of J sigma (updated Lagrangian) or of P = J sigma F^-T: with
+/// a factor of -1/h, what times V0 dN/dr is the nodal force.
+pub fn stresses(description: Description, law: &dyn Law, factor: f64, scratch: &mut Scratch) {
     let total = description == Description::Total;
     let turned_back = description.is_turned_back(law);
     match scratch.state.dimension {
-        1 => dispatch(Stresses::<1> { scratch, total, turned_back }),
-        2 => dispatch(Stresses::<2> { scratch, total, turned_back }),
-        _ => dispatch(Stresses::<3> { scratch, total, turned_back }),
+        1 => dispatch(Stresses::<1> { scratch, total, turned_back, factor }),
+        2 => dispatch(Stresses::<2> { scratch, total, turned_back, factor }),
+        _ => dispatch(Stresses::<3> { scratch, total, turned_back, factor }),
     }
 }
 
@@ -98,6 +104,7 @@ struct Stresses<'a, const D: usize> {
     scratch: &'a mut Scratch,
     total: bool,
     turned_back: bool,
+    factor: f64,
 }
 
 impl<const D: usize> Sweep for Stresses<'_, D> {
@@ -117,8 +124,13 @@ impl<const D: usize> Stresses<'_, D> {
     #[inline(always)]
     fn groups<V: Wide, const TOTAL: bool, const TURNED: bool>(self) {
         let Scratch { state, rotation, records, .. } = self.scratch;
+        let factor = V::splat(self.factor);
         for group in state.groups() {
             let mut six: [V; 6] = state.fours(STRESS, group);
+            let scale = if TOTAL { factor } else { factor * state.four::<V>(Column::J, group) };
+            for entry in &mut six {
+                *entry = scale * *entry;
+            }
             let tensor = if TOTAL {
                 let sigma = symmetric_tensor(six);
                 let (cofactor, _) = cofactors::<V, D>(&state.deformation_of_four(group));
@@ -130,10 +142,6 @@ impl<const D: usize> Stresses<'_, D> {
                 };
                 product::<V, D>(&sigma, &cofactor)
             } else {
-                let j: V = state.four(Column::J, group);
-                for entry in &mut six {
-                    *entry = j * *entry;
-                }
                 symmetric_tensor(six)
             };
             for j in 0..D {

@@ -68,17 +68,16 @@ impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
     #[inline(always)]
     fn run<V: Wide>(self) {
         let Self { places, scratch, frame, mapped, dilation, description, .. } = self;
-        let inverse = V::splat(frame.inverse_spacing);
         let len = places.len().min(LANES);
         for p in 0..len {
             let stencil = frame.stencil::<V, D, W, S>(V::load(&places[p]));
             let columns = stencil.gradient::<V>(mapped);
             for j in 0..D {
-                (columns[j] * inverse).store(&mut scratch.records[j][p]);
+                columns[j].store(&mut scratch.records[j][p]);
             }
         }
         let groups = scratch.state.groups().end;
-        spread::<V, D>(&scratch.records, &mut scratch.gradient, groups);
+        spread::<V, D>(&scratch.records, frame.inverse_spacing, &mut scratch.gradient, groups);
         for group in 0..groups {
             let trace = trace_of::<V, D>(scratch, description, group);
             trace.store(&mut scratch.numbers[group]);

@@ -132,11 +132,12 @@ impl<const D: usize, const W: usize, S: Shape<W>> Part<'_, D, W, S> {
     #[inline(always)]
     fn particles<V: Wide, const SCATTER: bool, const AFFINE: bool>(self) {
         let Self { places, velocity, displacement, matrix, nodes, mapped, frame, .. } = self;
-        let Gather { dt, velocity: mix, own_path, .. } = self.numbers;
+        let Gather { velocity: mix, own_path, .. } = self.numbers;
         // One check of a stencil's bounds then serves both arrays.
         assert_eq!(nodes.len(), mapped.len());
-        let [dt, grid, old, change] = splats::<V, 4>([dt, mix.grid, mix.old, mix.change]);
-        let path = V::splat(if own_path { 1.0 } else { 0.0 });
+        let [grid, old, change] = splats::<V, 3>([mix.grid, mix.old, mix.change]);
+        let [along_grid, own]: [V; 2] =
+            splats(if own_path { [0.0, self.numbers.dt] } else { [self.numbers.dt, 0.0] });
         let (mut farthest, mut watch) = (V::splat(0.0), V::splat(0.0));
         let particles = places.iter().zip(velocity).zip(displacement).enumerate();
         for (p, ((place, velocity), displacement)) in particles {
@@ -146,7 +147,7 @@ impl<const D: usize, const W: usize, S: Shape<W>> Part<'_, D, W, S> {
             let before = V::load(velocity);
             let new = old.mul_add(before, grid.mul_add(seen.w, change * seen.a));
             new.with_last(before).store(velocity);
-            let dx = dt * path.mul_add(new - seen.w, seen.w);
+            let dx = own.mul_add(new, along_grid * seen.w);
             dx.store(displacement);
             farthest = farthest.larger(dx.absolute());
             watch = watch + new;

@@ -179,7 +179,8 @@ impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
                 let law = &*self.solid.law;
                 self.seen.description.turn(law, &mut self.scratch.chunk(0.0));
             }
-            stresses(self.seen.description, &*self.solid.law, self.scratch);
+            let factor = -self.frame.inverse_spacing;
+            stresses(self.seen.description, &*self.solid.law, factor, self.scratch);
         }
         match (motion, force, self.points.affine) {
             (true, true, false) => self.scatter::<V, true, true, false>(),
@@ -224,11 +225,10 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
         }
     }
 
-    /// L of every particle at its old place.
+    /// L of every particle at its old place, in velocity per node spacing.
     #[inline(always)]
     fn gradients<V: Wide, const MOMENTS: bool>(&mut self) {
         let (frame, mapped, places) = (self.frame, self.seen.mapped, self.places());
-        let inverse = V::splat(frame.inverse_spacing);
         let records = &mut self.scratch.records;
         let len = places.len().min(LANES);
         for p in 0..len {
@@ -238,7 +238,7 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
             }
             let columns = stencil.gradient::<V>(mapped);
             for j in 0..D {
-                (columns[j] * inverse).store(&mut records[j][p]);
+                columns[j].store(&mut records[j][p]);
             }
         }
     }
@@ -253,7 +253,11 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
         for column in records.iter_mut().take(D) {
             column[len..(4 * groups).clamp(len, LANES)].fill([0.0; 4]);
         }
-        spread::<V, D>(records, gradient, groups);
+        let scale = match self.points.matrix_is_gradient {
+            true => 1.0,
+            false => self.frame.inverse_spacing,
+        };
+        spread::<V, D>(records, scale, gradient, groups);
         if self.points.keep_gradient {
             self.keep_gradient();
         }
@@ -287,8 +291,9 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
         for (axis, records) in self.scratch.records.iter().enumerate().take(D) {
             // SAFETY: as in `places`.
             let matrix = unsafe { self.lent.matrix[axis].part(self.range.clone()) };
+            let scale = self.frame.inverse_spacing;
             for (matrix, [x, y, z, _]) in matrix.iter_mut().zip(records) {
-                *matrix = [*x, *y, *z, 0.0];
+                *matrix = [scale * x, scale * y, scale * z, 0.0];
             }
         }
     }
@@ -363,7 +368,7 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
             return;
         }
         let (frame, nodes) = (self.frame, self.lent.nodes);
-        let (inverse, spacing) = (-frame.inverse_spacing, V::splat(frame.spacing));
+        let spacing = V::splat(frame.spacing);
         let moments = FORCE && self.points.moments;
         let records = &self.scratch.records;
         // Indices below LANES and slices of one length: the loop needs no further checks.
@@ -390,9 +395,9 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
                 }
             }
             if FORCE {
-                let factor = V::splat(inverse * v[3]);
+                let volume = V::splat(v[3]);
                 for axis in 0..D {
-                    parcel.force[axis] = factor * V::load(&records[axis][p]);
+                    parcel.force[axis] = volume * V::load(&records[axis][p]);
                 }
                 if moments {
                     stencil = stencil.affine::<V, S>();
