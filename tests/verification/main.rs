@@ -8,6 +8,7 @@ mod combinations;
 mod convergence;
 mod fixes;
 mod invariants;
+mod locking;
 mod manufactured;
 mod mirror;
 mod scene;
