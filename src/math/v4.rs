@@ -38,6 +38,12 @@ pub trait Wide:
     fn all_positive(self) -> bool;
     /// Do the first three lanes all lie in lower..=upper? False if one is not a number.
     fn inside(self, lower: Self, upper: Self) -> bool;
+    /// Is self < bound in any lane?
+    fn any_below(self, bound: Self) -> bool;
+    /// m and e with self = m 2^e, 1 <= m < 2, for positive normal numbers.
+    fn split(self) -> [Self; 2];
+    /// 2^self for whole numbers from -1022 to 1023.
+    fn power_of_two(self) -> Self;
     /// The four numbers.
     #[inline(always)]
     fn array(self) -> [f64; 4] {
@@ -79,6 +85,18 @@ pub fn dispatch<S: Sweep>(sweep: S) -> S::Output {
     #[cfg(not(target_arch = "aarch64"))]
     sweep.run::<Plain>()
 }
+
+/// Bits of the mantissa of an `f64`.
+const MANTISSA: u64 = (1 << 52) - 1;
+
+/// Bits of 1.0.
+const ONE: u64 = 1023 << 52;
+
+/// 2^52: the last bits of 2^52 + k are those of the whole number k.
+const WHOLE: f64 = 4_503_599_627_370_496.0;
+
+/// 2^52 and the offset of exponents.
+const SHIFTER: f64 = WHOLE + 1023.0;
 
 /// The four operators of a type, each from its expression.
 macro_rules! operators {
@@ -182,11 +200,27 @@ impl Wide for Plain {
     fn inside(self, lower: Self, upper: Self) -> bool {
         (0..3).all(|lane| self.0[lane] >= lower.0[lane] && self.0[lane] <= upper.0[lane])
     }
+    #[inline(always)]
+    fn any_below(self, bound: Self) -> bool {
+        (0..4).any(|lane| self.0[lane] < bound.0[lane])
+    }
+    #[inline(always)]
+    fn split(self) -> [Self; 2] {
+        let bits = self.0.map(f64::to_bits);
+        [
+            Self(bits.map(|bits| f64::from_bits(bits & MANTISSA | ONE))),
+            Self(bits.map(|bits| (bits >> 52) as f64 - 1023.0)),
+        ]
+    }
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        Self(self.0.map(|exponent| f64::from_bits((exponent + SHIFTER).to_bits() << 52)))
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
-    use super::{Sweep, Wide};
+    use super::{MANTISSA, ONE, SHIFTER, Sweep, WHOLE, Wide};
     use std::arch::x86_64::*;
 
     /// Four numbers in one AVX register; made only inside [`run`].
@@ -293,12 +327,38 @@ mod avx2 {
                 _mm256_movemask_pd(_mm256_and_pd(above, below)) & 0b111 == 0b111
             }
         }
+        #[inline(always)]
+        fn any_below(self, bound: Self) -> bool {
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(self.0, bound.0)) != 0 }
+        }
+        #[inline(always)]
+        fn split(self) -> [Self; 2] {
+            unsafe {
+                let mantissa = _mm256_castsi256_pd(_mm256_set1_epi64x(MANTISSA as i64));
+                let one = _mm256_castsi256_pd(_mm256_set1_epi64x(ONE as i64));
+                let whole = _mm256_castpd_si256(_mm256_set1_pd(WHOLE));
+                let exponent = _mm256_srli_epi64::<52>(_mm256_castpd_si256(self.0));
+                let exponent = _mm256_castsi256_pd(_mm256_or_si256(exponent, whole));
+                [
+                    Self(_mm256_or_pd(_mm256_and_pd(self.0, mantissa), one)),
+                    Self(_mm256_sub_pd(exponent, _mm256_set1_pd(SHIFTER))),
+                ]
+            }
+        }
+        #[inline(always)]
+        fn power_of_two(self) -> Self {
+            unsafe {
+                let shifted = _mm256_add_pd(self.0, _mm256_set1_pd(SHIFTER));
+                let bits = _mm256_slli_epi64::<52>(_mm256_castpd_si256(shifted));
+                Self(_mm256_castsi256_pd(bits))
+            }
+        }
     }
 }
 
 #[cfg(target_arch = "aarch64")]
 mod neon {
-    use super::Wide;
+    use super::{MANTISSA, ONE, SHIFTER, Wide};
     use std::arch::aarch64::*;
 
     /// Four numbers in two NEON registers, which every 64-bit ARM processor has.
@@ -392,68 +452,37 @@ mod neon {
             let (x, low, high) = (self.array(), lower.array(), upper.array());
             (0..3).all(|lane| x[lane] >= low[lane] && x[lane] <= high[lane])
         }
+        #[inline(always)]
+        fn any_below(self, bound: Self) -> bool {
+            let (x, bound) = (self.array(), bound.array());
+            (0..4).any(|lane| x[lane] < bound[lane])
+        }
+        #[inline(always)]
+        fn split(self) -> [Self; 2] {
+            unsafe {
+                let halves = [self.0, self.1].map(|half| vreinterpretq_u64_f64(half));
+                let (mask, one) = (vdupq_n_u64(MANTISSA), vdupq_n_u64(ONE));
+                let mantissa =
+                    halves.map(|bits| vreinterpretq_f64_u64(vorrq_u64(vandq_u64(bits, mask), one)));
+                let offset = vdupq_n_f64(1023.0);
+                let exponent =
+                    halves.map(|bits| vsubq_f64(vcvtq_f64_u64(vshrq_n_u64::<52>(bits)), offset));
+                [Self(mantissa[0], mantissa[1]), Self(exponent[0], exponent[1])]
+            }
+        }
+        #[inline(always)]
+        fn power_of_two(self) -> Self {
+            unsafe {
+                let shifter = vdupq_n_f64(SHIFTER);
+                let [low, high] = [self.0, self.1].map(|half| {
+                    let bits = vreinterpretq_u64_f64(vaddq_f64(half, shifter));
+                    vreinterpretq_f64_u64(vshlq_n_u64::<52>(bits))
+                });
+                Self(low, high)
+            }
+        }
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    struct Everything;
-
-    impl Sweep for Everything {
-        type Output = Vec<[f64; 4]>;
-        fn run<V: Wide>(self) -> Self::Output {
-            let a = V::load(&[1.0, -2.0, 3.0, -4.0]);
-            let b = V::load(&[4.0, 3.0, -2.0, 0.5]);
-            let lower = V::splat(-2.0);
-            let inside = f64::from(a.inside(lower, V::splat(3.0)));
-            let outside = f64::from(V::splat(f64::NAN).inside(lower, V::splat(3.0)));
-            [a + b, a - b, a * b, a.mul_add(b, V::splat(1.0)), a.larger(b)]
-                .into_iter()
-                .chain([
-                    a / b,
-                    b.absolute().sqrt(),
-                    a.smaller(b),
-                    V::load(&[1.5, -1.5, 2.0, -0.5]).floor(),
-                ])
-                .chain([a.absolute(), a.with_last(b), V::splat(inside), V::splat(outside)])
-                .chain([
-                    V::splat(f64::from(b.absolute().all_positive())),
-                    V::splat(f64::from(b.all_positive())),
-                ])
-                .chain([a.below(b, V::splat(7.0), a * a)])
-                .chain(V::transpose([a, b, lower, a + a]))
-                .map(V::array)
-                .collect()
-        }
-    }
-
-    #[test]
-    fn every_back_end_computes_the_same() {
-        let expected = vec![
-            [5.0, 1.0, 1.0, -3.5],
-            [-3.0, -5.0, 5.0, -4.5],
-            [4.0, -6.0, -6.0, -2.0],
-            [5.0, -5.0, -5.0, -1.0],
-            [4.0, 3.0, 3.0, 0.5],
-            [0.25, -2.0 / 3.0, -1.5, -8.0],
-            [2.0, 3f64.sqrt(), 2f64.sqrt(), 0.5f64.sqrt()],
-            [1.0, -2.0, -2.0, -4.0],
-            [1.0, -2.0, 2.0, -1.0],
-            [1.0, 2.0, 3.0, 4.0],
-            [1.0, -2.0, 3.0, 0.5],
-            [1.0; 4],
-            [0.0; 4],
-            [1.0; 4],
-            [0.0; 4],
-            [7.0, 7.0, 9.0, 7.0],
-            [1.0, 4.0, -2.0, 2.0],
-            [-2.0, 3.0, -2.0, -4.0],
-            [3.0, -2.0, -2.0, 6.0],
-            [-4.0, 0.5, -2.0, -8.0],
-        ];
-        assert_eq!(Everything.run::<Plain>(), expected);
-        assert_eq!(dispatch(Everything), expected);
-    }
-}
+mod tests;
