@@ -7,6 +7,7 @@
 mod compatibility;
 mod domain;
 mod hook;
+mod law;
 mod matter;
 mod method;
 mod output;
@@ -84,7 +85,11 @@ pub const COMMANDS: &[Style<Read>] = &[
         domain::boundary,
     ),
     row("region", "ID, style, ...", "a set of points", matter::region),
-    row("material", "ID, style, ...", "a material law", matter::material),
+    row("eos", "ID, style, ...", "an equation of state", law::eos),
+    row("strength", "ID, style, ...", "a strength law", law::strength),
+    row("damage", "ID, style, ...", "a damage law", law::damage),
+    row("temperature", "ID, style, ...", "a temperature law", law::temperature),
+    row("material", "ID, style, ...", "a material law", law::material),
     row(
         "solid",
         "ID, region, regionID, ppc, matID, h [, T0]",
@@ -133,10 +138,6 @@ pub const COMMANDS: &[Style<Read>] = &[
         "old form: changes the transfer",
         compatibility::method_modify,
     ),
-    reserved("eos", "ID, style, ...", "an equation of state"),
-    reserved("strength", "ID, style, ...", "a strength law"),
-    reserved("damage", "ID, style, ...", "a damage law"),
-    reserved("temperature", "ID, style, ...", "a temperature law"),
     reserved("translate_particles", "solid|all, region, ID, dx, dy, dz", "moves particles"),
     reserved("populate_cylindrical_coordinates", "solid, region, ...", "rings of particles"),
     reserved("contact", "ID, stick|slip|frictional, s1, s2 [, mu]", "multi-field contact"),

@@ -1,24 +1,26 @@
-//! Damage laws (language.md 6.5).
+//! Damage laws (language.md 6.5, 9.3).
 
+pub mod damage_johnson_cook;
+
+use crate::material::Chunk;
+use crate::material::stages::Stages;
 use crate::script::arguments::Args;
 use crate::script::diagnostic::Diagnostic;
 use crate::style::Style;
-use std::convert::Infallible;
+use std::sync::Arc;
 
-/// Builds a style of the family; all its names are reserved today.
-pub type BuildDamage = fn(&mut Args<'_>) -> Result<Infallible, Diagnostic>;
+/// Builds a damage law from its arguments.
+pub type BuildDamage = fn(&mut Args<'_>) -> Result<Arc<dyn Damage>, Diagnostic>;
 
 /// All damage styles.
-pub const DAMAGE: &[Style<BuildDamage>] = &[reserved(
-    "damage_johnson_cook",
-    "d1, d2, d3, d4, d5, epsdot0, Tr, Tm",
-    "Johnson-Cook failure strain",
-)];
+pub const DAMAGE: &[Style<BuildDamage>] = &[damage_johnson_cook::STYLE];
 
-const fn reserved(
-    name: &'static str,
-    usage: &'static str,
-    summary: &'static str,
-) -> Style<BuildDamage> {
-    Style { name, usage, summary, manual: "", build: None }
+/// A damage law.
+pub trait Damage: Send + Sync {
+    /// Does it depend on the temperature?
+    fn reads_temperature(&self) -> bool;
+
+    /// Lets the columns of the damage D and of its initiation grow with the plastic strain of the
+    /// step.
+    fn grow(&self, chunk: &mut Chunk<'_>, stages: &Stages);
 }

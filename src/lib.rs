@@ -9,8 +9,9 @@
 //! in [`kernel`], the laws in [`material`]. What leaves the program goes through [`output`].
 //!
 //! Styles are rows of tables ([`style`]): [`command::COMMANDS`], [`region::REGIONS`],
-//! [`material::MATERIALS`], [`fix::FIXES`], [`compute::COMPUTES`], [`output::DUMPS`]. A style is
-//! one file and one row.
+//! [`material::MATERIALS`] and the parts of a composite law ([`eos::EOS`], [`strength::STRENGTH`],
+//! [`damage::DAMAGE`], [`temperature::TEMPERATURE`]), [`fix::FIXES`], [`compute::COMPUTES`],
+//! [`output::DUMPS`]. A style is one file and one row.
 //!
 //! # Layers
 //!

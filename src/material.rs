@@ -6,36 +6,69 @@
 
 #[cfg(test)]
 mod conformance;
+pub mod eos_strength;
 pub mod kinematics;
 pub mod linear;
 pub mod neo_hookean;
+#[cfg(test)]
+mod plasticity;
 pub mod point;
+pub mod stages;
 pub mod state;
+pub mod von_mises;
 
+use crate::damage::Damage;
+use crate::eos::Eos;
 use crate::math::tensor::Tensor;
 use crate::model::column::ColumnSet;
-use crate::script::arguments::Args;
+use crate::script::arguments::{Args, Name};
 use crate::script::diagnostic::{Code, Diagnostic};
+use crate::strength::Strength;
 use crate::style::Style;
+use crate::temperature::Temperature;
 use std::sync::Arc;
 
 pub use kinematics::Description;
 pub use state::{Chunk, GROUPS, LANES, Lane, NOTHING, State};
 
-/// Builds a law from its arguments.
-pub type BuildMaterial = fn(&mut Args<'_>) -> Result<Arc<dyn Law>, Diagnostic>;
+/// Builds a law from its arguments and what they name.
+pub type BuildMaterial = fn(&mut Args<'_>, &Families<'_>) -> Result<Arc<dyn Law>, Diagnostic>;
+
+/// Finds an object by its ID.
+pub type Find<'a, T> = &'a dyn Fn(&Name) -> Result<T, Diagnostic>;
+
+/// The objects that a composite law may name.
+pub struct Families<'a> {
+    /// Equations of state.
+    pub eos: Find<'a, Arc<dyn Eos>>,
+    /// Strength laws.
+    pub strength: Find<'a, Arc<dyn Strength>>,
+    /// Damage and temperature laws.
+    pub either: Find<'a, Family>,
+}
+
+/// One of the optional parts of a composite law.
+pub enum Family {
+    /// A damage law.
+    Damage(Arc<dyn Damage>),
+    /// A temperature law.
+    Temperature(Arc<dyn Temperature>),
+}
+
+/// The mistake of two laws of one family in a material.
+fn second_of_family(name: &Name) -> Diagnostic {
+    let message = format!("`{}` is the second law of its family here", name.text);
+    Diagnostic::error(Code::Duplicate, name.span, message)
+        .label("a material has at most one damage and one temperature law")
+}
 
 /// All material styles.
 pub const MATERIALS: &[Style<BuildMaterial>] = &[
     linear::STYLE,
     neo_hookean::STYLE,
-    reserved(
-        "eos-strength",
-        "eosID, strengthID [, damageID] [, temperatureID]",
-        "pressure from an equation of state, deviator from a strength law",
-    ),
+    eos_strength::STYLE,
+    von_mises::STYLE,
     reserved("rigid", "[rho]", "prescribed motion"),
-    reserved("von-mises", "rho, E, nu, sigma_y [, H]", "von Mises plasticity"),
     reserved(
         "mohr-coulomb",
         "rho, E, nu, c, phi, psi [, sigma_t [, H, c_res, phi_res, psi_res]]",
@@ -85,13 +118,19 @@ impl Elastic {
     }
 
     /// Reads `rho, E, nu`.
-    fn read(args: &mut Args<'_>) -> Result<Self, Diagnostic> {
+    fn read_moduli(args: &mut Args<'_>) -> Result<Self, Diagnostic> {
         let density = args.positive("the density rho")?;
         let young = args.positive("Young's modulus E")?;
         let poisson = args.number("Poisson's ratio nu")?;
         if poisson.known && !(poisson.value > -1.0 && poisson.value < 0.5) {
             return Err(args.out_of_range(&poisson, "Poisson's ratio must lie in -1 < nu < 0.5"));
         }
+        Ok(Self::new(density.value, young.value, poisson.value))
+    }
+
+    /// Reads `rho, E, nu` and nothing else.
+    fn read(args: &mut Args<'_>) -> Result<Self, Diagnostic> {
+        let elastic = Self::read_moduli(args)?;
         if args.remaining() > 0 {
             return Err(Diagnostic::error(
                 Code::NotAvailable,
@@ -100,7 +139,7 @@ impl Elastic {
             )
             .label("not available yet"));
         }
-        Ok(Self::new(density.value, young.value, poisson.value))
+        Ok(elastic)
     }
 }
 
@@ -140,6 +179,14 @@ pub trait Law: Send + Sync {
     /// Wave speed of each particle \[L/T\] (language.md 9.5).
     fn wave_speed(&self, state: &State, out: &mut Lane);
 
+    /// Raises wave speeds by what the motion asks for: artificial viscosity.
+    fn stiffen(&self, _chunk: &Chunk<'_>, _speed: &mut Lane) {}
+
+    /// Viscosity mu \[P T\] of fluids.
+    fn viscosity(&self) -> f64 {
+        0.0
+    }
+
     /// Stored energy per reference volume \[P\] (language.md 9.6).
     fn stored_energy(&self, state: &State, out: &mut Lane);
 
@@ -150,6 +197,21 @@ pub trait Law: Send + Sync {
     /// Does the stress keep a given value, as `initial_stress` sets it? False if the law computes
     /// its stress from the deformation alone.
     fn accepts_initial_stress(&self) -> bool;
+
+    /// Temperature \[K\] of a solid whose script gives none.
+    fn initial_temperature(&self) -> f64 {
+        0.0
+    }
+
+    /// Internal energy e \[P\] of particle `p`.
+    fn internal_energy(&self, _state: &State, _p: usize) -> f64 {
+        0.0
+    }
+
+    /// Heating power per volume \[P/T\] of particle `p`.
+    fn heating(&self, _state: &State, _p: usize) -> f64 {
+        0.0
+    }
 }
 
 /// Writes the elastic strain of every particle, tensor by tensor.

@@ -57,6 +57,8 @@ pub struct Loops {
     pub carried: bool,
     /// What limits the time step, by lattice, as the last stress update found it.
     pub limits: Vec<Report>,
+    /// Particle-steps of this run beyond what an equation of state can describe.
+    pub clipped: u64,
     /// Number of sorts so far.
     pub sorts: u64,
     /// Time spent by phase.
@@ -356,6 +358,7 @@ impl Parts<'_> {
 
     fn sweep_points(&mut self, points: Points) -> Result<(), Fault> {
         let report = points::sweep(&mut self.loops.tiles, self.world, points);
+        self.loops.clipped += report.clipped as u64;
         self.loops.timing.end(Phase::Stress);
         if let Some(particle) = report.failed {
             return Err(watch::inverted(self.world, particle, &self.clock));

@@ -11,6 +11,8 @@ pub enum Limit {
     Fixed,
     /// A wave and the particles may not cross more than a cell: h/(c + |v|).
     Acoustic,
+    /// Viscous momentum may not cross more than a cell: 3 rho h^2/(8 d mu).
+    Viscous,
     /// det(I + dt L) stays positive: 0.3/||L||.
     Rate,
     /// A step is at most 1.1 times the one before.
@@ -25,6 +27,7 @@ impl Limit {
         match self {
             Limit::Fixed => "fixed",
             Limit::Acoustic => "acoustic",
+            Limit::Viscous => "viscous",
             Limit::Rate => "rate",
             Limit::Growth => "growth",
             Limit::End => "end",
@@ -70,15 +73,20 @@ pub fn is_fragile(transfer: &Transfer, usl: bool, shape: ShapeKind) -> bool {
     !shape.is_spline() && (usl || transfer.is_affine())
 }
 
-/// The stable step for what the last sweep found: f h s/(c + |v|) and 0.3/||L||.
-pub fn stable(report: &Report, cell: f64, factor: f64) -> TimeStep {
-    let acoustic = factor * cell * report.thinnest.sqrt() / report.fastest;
+/// The stable step for what the last sweep found: f h s/(c + |v|), f 3 rho h^2/(8 d mu) and
+/// 0.3/||L||.
+pub fn stable(report: &Report, cell: f64, dimension: usize, factor: f64) -> TimeStep {
+    let cell = cell * report.thinnest.sqrt();
+    let acoustic = factor * cell / report.fastest;
+    let viscous = factor * 3.0 * cell * cell / (8.0 * dimension as f64 * report.viscosity);
     let rate = RATE / report.rate.sqrt();
-    if rate < acoustic {
-        TimeStep { dt: rate, limit: Limit::Rate }
-    } else {
-        TimeStep { dt: acoustic, limit: Limit::Acoustic }
+    let mut least = TimeStep { dt: acoustic, limit: Limit::Acoustic };
+    for (dt, limit) in [(viscous, Limit::Viscous), (rate, Limit::Rate)] {
+        if dt < least.dt {
+            least = TimeStep { dt, limit };
+        }
     }
+    least
 }
 
 /// Keeps the step from growing too fast.
@@ -113,9 +121,18 @@ mod tests {
     #[test]
     fn the_smaller_limit_binds() {
         let slow = Report { fastest: 10.0, rate: 1.0, ..Report::default() };
-        assert_eq!(stable(&slow, 0.5, 0.9), TimeStep { dt: 0.045, limit: Limit::Acoustic });
+        assert_eq!(stable(&slow, 0.5, 2, 0.9), TimeStep { dt: 0.045, limit: Limit::Acoustic });
         let sheared = Report { fastest: 10.0, rate: 1e4, ..Report::default() };
-        assert_eq!(stable(&sheared, 0.5, 0.9), TimeStep { dt: 0.003, limit: Limit::Rate });
+        assert_eq!(stable(&sheared, 0.5, 2, 0.9), TimeStep { dt: 0.003, limit: Limit::Rate });
+    }
+
+    #[test]
+    fn viscosity_bounds_the_step() {
+        let report = Report { fastest: 1.0, viscosity: 6.0, ..Report::default() };
+        let exact = 0.9 * 3.0 * 0.25 / (8.0 * 2.0 * 6.0);
+        let found = stable(&report, 0.5, 2, 0.9);
+        assert_eq!(found.limit, Limit::Viscous);
+        assert!((found.dt - exact).abs() < 1e-15);
     }
 
     #[test]

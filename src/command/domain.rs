@@ -1,6 +1,5 @@
 //! `dimension` and settings of the whole scene.
 
-use super::compatibility::old_form;
 use super::scene::Scene;
 use super::{Action, action};
 use crate::material::StressRate;
@@ -49,7 +48,7 @@ pub fn dimension(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagn
         return Err(Diagnostic::error(Code::Range, args.span, message).label("too many dimensions"));
     }
     if args.remaining() == 0 {
-        old_form(args, "dimension(d, xlo, xhi, ..., h)");
+        args.old_form("dimension(d, xlo, xhi, ..., h)");
         let mut nothing = Domain::nothing(dimension);
         nothing.cell = f64::NAN;
         scene.domain = Some(nothing);
@@ -59,7 +58,7 @@ pub fn dimension(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagn
     let (lower, upper) = limits(args, dimension)?;
     if args.remaining() == 0 && dimension > 1 {
         // The old form: the first solid brings the cell size.
-        old_form(args, "dimension(d, xlo, xhi, ylo, yhi, h)");
+        args.old_form("dimension(d, xlo, xhi, ylo, yhi, h)");
         scene.domain = Some(Domain { dimension, lower, upper, cell: f64::NAN });
         return Ok(action(|_| ()));
     }
@@ -97,7 +96,7 @@ pub fn create_domain(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, D
         return Err(Diagnostic::error(Code::Order, args.command.span, message)
             .label("the box is known already"));
     }
-    old_form(args, "dimension(d, xlo, xhi, ..., h)");
+    args.old_form("dimension(d, xlo, xhi, ..., h)");
     (domain.lower, domain.upper) = limits(args, domain.dimension)?;
     // Old scripts give all three axes; the surplus ones do not count.
     let surplus = 2 * (3 - domain.dimension);

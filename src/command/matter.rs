@@ -1,13 +1,11 @@
-//! `region`, `material`, `solid`, `group`.
+//! `region`, `solid`, `group`.
 
-use super::compatibility::old_form;
 use super::domain::check_cells;
 use super::method::check_nodes;
 use super::scene::{GroupEntry, Scene, SolidEntry};
 use super::session::Stop;
 use super::{Action, action};
 use crate::fix::GroupKind;
-use crate::material::MATERIALS;
 use crate::memory;
 use crate::model::domain::Domain;
 use crate::model::group::GroupId;
@@ -40,18 +38,6 @@ pub fn region(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnost
     Ok(action(|_| ()))
 }
 
-/// `material(ID, style, ...)`
-pub fn material(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
-    let id = args.word("a material ID")?;
-    scene.materials.check_free(&id)?;
-    let word = args.word("a material style")?;
-    let (row, build) = style::find("material", MATERIALS, &word)?;
-    args.expect_usage(row.usage);
-    let law = build(args)?;
-    scene.materials.declare(&id, law)?;
-    Ok(action(|_| ()))
-}
-
 /// `solid(ID, region, regionID, ppc, matID, h [, T0])` and its old forms.
 pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
     scene.tried.push("solid");
@@ -81,9 +67,10 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
             &format!("the cell size of the solid must be that of the grid, {}", domain.cell),
         ));
     }
-    if args.remaining() > 0 {
-        args.number("the initial temperature T0")?;
-    }
+    let temperature = match args.remaining() {
+        0 => law.initial_temperature(),
+        _ => args.number("the initial temperature T0")?.value,
+    };
     if total {
         let bounds = region.bounds();
         domain = domain.of_limits(bounds.lower, bounds.upper, cell.value);
@@ -117,6 +104,7 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
         }
         let (name, material, region) = (&id.text, &material.text, region.as_ref());
         simulation.add_solid_of_cell(name, material, law, region, particles_per_cell, cells.cell);
+        simulation.heat_last_solid(temperature);
     }))
 }
 
@@ -136,11 +124,11 @@ fn form_of_solid(args: &mut Args<'_>, id: &Name) -> Result<(), Diagnostic> {
         Some(old @ ("rectangle" | "cylinder" | "block")) if args.remaining() > 4 => {
             args.keyword(old);
             let region = args.peek().unwrap_or("regionID").to_string();
-            old_form(args, &modern(&region));
+            args.old_form(&modern(&region));
         }
         Some(region) if args.remaining() > 3 => {
             let line = modern(region);
-            old_form(args, &line);
+            args.old_form(&line);
         }
         _ => {}
     }

@@ -1,6 +1,8 @@
 //! What the statements read so far have declared.
 
 use super::method::Choice;
+use crate::damage::Damage;
+use crate::eos::Eos;
 use crate::fix::GroupKind;
 use crate::material::Law;
 use crate::model::domain::Domain;
@@ -10,6 +12,8 @@ use crate::scheme::SchemeKind;
 use crate::script::arguments::{Args, Name};
 use crate::script::diagnostic::{Code, Diagnostic};
 use crate::script::suggest;
+use crate::strength::Strength;
+use crate::temperature::Temperature;
 use std::sync::Arc;
 
 /// Objects of one kind, by ID: each kind has its own name space.
@@ -136,6 +140,14 @@ pub struct Scene {
     pub box_follows_solids: bool,
     /// Regions.
     pub regions: Names<Arc<dyn Region>>,
+    /// Equations of state.
+    pub eos: Names<Arc<dyn Eos>>,
+    /// Strength laws.
+    pub strengths: Names<Arc<dyn Strength>>,
+    /// Damage laws.
+    pub damages: Names<Arc<dyn Damage>>,
+    /// Temperature laws.
+    pub temperatures: Names<Arc<dyn Temperature>>,
     /// Materials.
     pub materials: Names<Arc<dyn Law>>,
     /// Solids.
@@ -166,6 +178,10 @@ impl Default for Scene {
             domain: None,
             box_follows_solids: false,
             regions: Names::new("region"),
+            eos: Names::new("eos"),
+            strengths: Names::new("strength"),
+            damages: Names::new("damage"),
+            temperatures: Names::new("temperature"),
             materials: Names::new("material"),
             solids: Names::new("solid"),
             groups,

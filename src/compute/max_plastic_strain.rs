@@ -29,8 +29,10 @@ impl Compute for MaxPlasticStrain {
 
     fn evaluate(&self, world: &World, out: &mut [f64]) {
         out.fill(0.0);
-        let strain = world.particles.column(Column::PlasticStrain);
-        let members = world.particles.of_group(&world.groups, self.0);
-        out[0] = members.filter_map(|p| strain.get(p)).copied().fold(0.0, f64::max);
+        for (out, column) in out.iter_mut().zip([Column::PlasticStrain, Column::Temperature]) {
+            let values = world.particles.column(column);
+            let members = world.particles.of_group(&world.groups, self.0);
+            *out = members.filter_map(|p| values.get(p)).copied().reduce(f64::max).unwrap_or(0.0);
+        }
     }
 }

@@ -26,6 +26,8 @@ pub struct Scratch {
     pub records: Records,
     /// Some other number of each particle.
     pub numbers: Lane,
+    /// Cell size h of the solid \[L\].
+    pub cell: f64,
 }
 
 impl Default for Scratch {
@@ -36,6 +38,7 @@ impl Default for Scratch {
             rotation: [NOTHING; 9],
             records: [[[0.0; 4]; LANES]; 3],
             numbers: NOTHING,
+            cell: 0.0,
         }
     }
 }
@@ -54,7 +57,9 @@ impl Scratch {
             dt,
             gradient: &mut self.gradient,
             rotation: &mut self.rotation,
+            cell: self.cell,
             failed: None,
+            clipped: 0,
         }
     }
 }

@@ -266,12 +266,14 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
         }
         let law = &*self.solid.law;
         let has_deformation = self.scratch.state.has(Column::F11);
+        self.scratch.cell = self.solid.cells.cell;
         let mut chunk = self.scratch.chunk(self.points.dt);
         self.seen.description.advance(law, has_deformation, &mut chunk);
         law.update(&mut chunk);
         if let Some(failed) = chunk.failed {
             self.report.failed.get_or_insert(self.range.start + failed);
         }
+        self.report.clipped += chunk.clipped;
         if self.points.time_step {
             self.time_step::<V>();
         }
@@ -313,8 +315,12 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
     /// The fastest wave, the largest rate and the smallest stretch of the chunk.
     #[inline(always)]
     fn time_step<V: Wide>(&mut self) {
-        let Scratch { state, gradient, numbers: speed, .. } = &mut *self.scratch;
-        self.solid.law.wave_speed(state, speed);
+        let law = &*self.solid.law;
+        let mut speed = self.scratch.numbers;
+        law.wave_speed(&self.scratch.state, &mut speed);
+        law.stiffen(&self.scratch.chunk(self.points.dt), &mut speed);
+        let Scratch { state, gradient, .. } = &mut *self.scratch;
+        self.report.flow(law.viscosity() / law.density(), state);
         let mut fastest = V::splat(self.report.fastest);
         let velocity = &self.seen.velocity[self.range.clone()];
         for (wave, v) in speed.as_flattened().iter().zip(velocity) {
@@ -417,6 +423,7 @@ pub fn at_rest(world: &World) -> Vec<Report> {
         let number = world.particles.solid[range.start] as usize;
         let report = &mut reports[if world.method.total { number } else { 0 }];
         solid.law.wave_speed(state, &mut speed);
+        report.flow(solid.law.viscosity() / solid.law.density(), state);
         for (speed, v) in speed.as_flattened().iter().zip(&world.particles.velocity[range]) {
             let fastest = speed + v[0].abs().max(v[1].abs()).max(v[2].abs());
             report.fastest = report.fastest.max(fastest);

@@ -5,6 +5,8 @@
 //! colours one after another. Tiles of different lattices share no node at all.
 
 use super::stencil::Frame;
+use crate::material::State;
+use crate::model::column::Column;
 use crate::model::domain::Domain;
 use crate::shape::ShapeKind;
 use rayon::prelude::*;
@@ -39,6 +41,10 @@ pub struct Report {
     pub thinnest: f64,
     /// Largest squared Frobenius norm of L \[1/T^2\].
     pub rate: f64,
+    /// Largest kinematic viscosity mu/rho \[L^2/T\].
+    pub viscosity: f64,
+    /// Particles compressed beyond what their equation of state can describe.
+    pub clipped: usize,
     /// Place in the table of the first particle whose law failed.
     pub failed: Option<usize>,
     /// Place in the table of the first particle outside the box.
@@ -53,6 +59,8 @@ impl Default for Report {
             fastest: 0.0,
             thinnest: 1.0,
             rate: 0.0,
+            viscosity: 0.0,
+            clipped: 0,
             failed: None,
             escaped: None,
         }
@@ -60,6 +68,14 @@ impl Default for Report {
 }
 
 impl Report {
+    /// Notes the kinematic viscosity of particles, from that of the reference density.
+    pub fn flow(&mut self, of_reference: f64, state: &State) {
+        if of_reference > 0.0 {
+            let thinnest = state.values(Column::J).iter().fold(0.0f64, |a, j| a.max(*j));
+            self.viscosity = self.viscosity.max(of_reference * thinnest);
+        }
+    }
+
     /// Both reports in one; the first failure stays.
     pub fn join(self, other: &Report) -> Report {
         Report {
@@ -68,6 +84,8 @@ impl Report {
             fastest: self.fastest.max(other.fastest),
             thinnest: self.thinnest.min(other.thinnest),
             rate: self.rate.max(other.rate),
+            viscosity: self.viscosity.max(other.viscosity),
+            clipped: self.clipped + other.clipped,
             failed: self.failed.or(other.failed),
             escaped: self.escaped.or(other.escaped),
         }

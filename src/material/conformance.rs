@@ -1,11 +1,15 @@
 //! What every law must do, and closed forms along paths of one particle.
 
+use super::eos_strength::EosStrength;
 use super::linear::Linear;
 use super::neo_hookean::NeoHookean;
 use super::point::Point;
+use super::von_mises::VonMises;
 use super::{Description, Elastic, Law, MATERIALS, StressRate};
 use crate::math::tensor::{Tensor, symmetric};
 use crate::model::column::Column;
+use crate::{eos, strength};
+use std::sync::Arc;
 
 const RATES: [Description; 4] = [
     Description::Updated(StressRate::Jaumann),
@@ -44,8 +48,23 @@ fn elastic() -> Elastic {
     Elastic::new(1000.0, 2.6e5, 0.3)
 }
 
+/// Laws that are elastic for the strains of these tests, one for each row of the table.
 fn laws() -> Vec<Box<dyn Law>> {
-    vec![Box::new(Linear(elastic())), Box::new(NeoHookean(elastic()))]
+    let elastic = elastic();
+    let Elastic { density, shear, .. } = elastic;
+    let composite = EosStrength {
+        eos: Arc::new(eos::linear::Linear { density, bulk: elastic.bulk() }),
+        strength: Arc::new(strength::linear::Linear { shear }),
+        damage: None,
+        temperature: None,
+    };
+    let strong = VonMises { elastic, yield_stress: 1e9, hardening: 0.0 };
+    vec![
+        Box::new(Linear(elastic)),
+        Box::new(NeoHookean(elastic)),
+        Box::new(composite),
+        Box::new(strong),
+    ]
 }
 
 /// A small strain in the given dimension.

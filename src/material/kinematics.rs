@@ -68,6 +68,9 @@ impl Description {
     pub fn advance(self, law: &dyn Law, has_deformation: bool, chunk: &mut Chunk<'_>) {
         let dimension = chunk.state.dimension;
         let incremental = law.is_incremental();
+        if chunk.state.has(Column::Damage) {
+            chunk.hold_failed();
+        }
         let good = match self {
             Description::Total => in_dimensions!(dimension, Total { chunk, incremental }),
             Description::Updated(rate) => {

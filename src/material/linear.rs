@@ -18,7 +18,7 @@ sigma <- Q sigma Q^T + dt (lambda tr D I + 2 G D), with D = sym L and the rotati
 `stress_rate` (language.md 9.2). rho [M/L^d], E [P], -1 < nu < 0.5.
 Wave speed sqrt((K + 4 G/3)/rho). Stored energy V sigma : C^-1 sigma/2.
 Source: de Vaucorbeil et al. 2020, eq. 2.5.",
-    build: Some(|args| Ok(Arc::new(Linear(Elastic::read(args)?)))),
+    build: Some(|args, _| Ok(Arc::new(Linear(Elastic::read(args)?)))),
 };
 
 /// sigma <- sigma + dt (lambda tr D I + 2 G D), once it has been turned.

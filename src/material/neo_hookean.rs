@@ -20,7 +20,7 @@ Stored energy per reference volume W = G/2 (tr F^T F - 3 - 2 ln J) + lambda/2 ln
 rho [M/L^d], E [P], -1 < nu < 0.5. Wave speed
 sqrt((G (1 + s^2) + lambda (1 - ln J))/(J rho)), s the largest singular value of F.
 Source: de Vaucorbeil et al. 2020; language.md 9.3, 9.5.",
-    build: Some(|args| Ok(Arc::new(NeoHookean(Elastic::read(args)?)))),
+    build: Some(|args, _| Ok(Arc::new(NeoHookean(Elastic::read(args)?)))),
 };
 
 /// sigma = (G (F F^T - I) + lambda ln J I)/J.

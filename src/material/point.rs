@@ -14,6 +14,10 @@ pub struct Point<'a> {
     state: Box<State>,
     /// First copy that failed in the last step.
     pub failed: Option<usize>,
+    /// Copies that the last step compressed beyond what the law can describe.
+    pub clipped: usize,
+    /// Cell size h \[L\], which artificial viscosity reads; 1 at first.
+    pub cell: f64,
 }
 
 const COPIES: usize = 7;
@@ -27,7 +31,10 @@ impl<'a> Point<'a> {
             1.0 => &[1.0; LANES],
             _ => &[0.0; LANES],
         });
-        Self { law, description, columns, state, failed: None }
+        let mut point =
+            Self { law, description, columns, state, failed: None, clipped: 0, cell: 1.0 };
+        point.set(Column::Temperature, law.initial_temperature());
+        point
     }
 
     /// One step dt. `rate` is L = dv/dx, in total Lagrangian descriptions dF/dt = dv/dX.
@@ -48,12 +55,22 @@ impl<'a> Point<'a> {
             dt,
             gradient: &mut gradient,
             rotation: &mut [NOTHING; 9],
+            cell: self.cell,
             failed: None,
+            clipped: 0,
         };
         let has_deformation = self.columns.contains(Column::F11);
         self.description.advance(self.law, has_deformation, &mut chunk);
         self.law.update(&mut chunk);
         self.failed = chunk.failed;
+        self.clipped = chunk.clipped;
+    }
+
+    /// Sets a column of all copies.
+    pub fn set(&mut self, column: Column, value: f64) {
+        for p in 0..COPIES {
+            self.state.set_value(column, p, value);
+        }
     }
 
     /// The state of the copies.

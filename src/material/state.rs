@@ -206,6 +206,11 @@ impl State {
         self.columns[column as usize][p / 4][p % 4]
     }
 
+    /// Sets a value of particle `p`.
+    pub fn set_value(&mut self, column: Column, p: usize, value: f64) {
+        self.columns[column as usize][p / 4][p % 4] = value;
+    }
+
     /// F of particle `p`.
     pub fn deformation(&self, p: usize) -> Tensor {
         Tensor::from_fn(|i, j| self.value(DEFORMATION[3 * i + j], p))
@@ -248,14 +253,36 @@ pub struct Chunk<'a> {
     pub gradient: &'a mut [Lane; 9],
     /// Total Lagrangian: R of F = R U; what stands here otherwise has no meaning.
     pub rotation: &'a mut [Lane; 9],
+    /// Cell size h \[L\].
+    pub cell: f64,
     /// First particle with J <= 0 or a value that is not finite.
     pub failed: Option<usize>,
+    /// Particles that an equation of state has compressed beyond what it can describe.
+    pub clipped: usize,
 }
 
 impl Chunk<'_> {
     /// Velocity gradient of particle `p`.
     pub fn velocity_gradient(&self, p: usize) -> Tensor {
         Tensor::from_fn(|i, j| self.gradient[3 * i + j][p / 4][p % 4])
+    }
+
+    /// Counts the particles with J below a bound.
+    #[cold]
+    pub fn count_clipped(&mut self, bound: f64) {
+        let below = self.state.values(Column::J).iter().filter(|j| **j < bound);
+        self.clipped += below.count();
+    }
+
+    /// Particles with D = 1 deform no more: they keep F and J.
+    pub fn hold_failed(&mut self) {
+        for p in 0..self.state.len {
+            if self.state.value(Column::Damage, p) >= 1.0 {
+                for entry in self.gradient.iter_mut() {
+                    entry[p / 4][p % 4] = 0.0;
+                }
+            }
+        }
     }
 
     /// Notes the first particle whose J is not a positive finite number, if there is one.

@@ -44,10 +44,16 @@ pub enum Column {
     PlasticStrain,
     /// Rate of the equivalent plastic strain.
     PlasticStrainRate,
+    /// Damage D, from 0 to 1.
+    Damage,
+    /// What damage needs before it begins: it does at 1.
+    DamageInitiation,
+    /// Temperature.
+    Temperature,
 }
 
 /// Number of columns in the table.
-pub const COLUMNS: usize = Column::PlasticStrainRate as usize + 1;
+pub const COLUMNS: usize = Column::Temperature as usize + 1;
 
 /// What the table says about a column.
 pub struct ColumnInfo {
@@ -99,6 +105,9 @@ pub const TABLE: [ColumnInfo; COLUMNS] = [
     row("bz", "M L/T^2"),
     row("ep", "1"),
     row("epdot", "1/T"),
+    row("damage", "1"),
+    row("damage_init", "1"),
+    row("T", "K"),
 ];
 
 impl Column {
@@ -136,6 +145,9 @@ impl Column {
             Bz,
             PlasticStrain,
             PlasticStrainRate,
+            Damage,
+            DamageInitiation,
+            Temperature,
         ]
     };
 

@@ -59,11 +59,12 @@ enum Field {
     Radius,
     Orientation(usize),
     HalfSize(usize),
-    Zero,
+    InternalEnergy,
+    Heating,
 }
 
 const STRAIN: [&str; 6] = ["e11", "e22", "e33", "e12", "e13", "e23"];
-const ABSENT: [&str; 5] = ["damage", "damage_init", "T", "ienergy", "gamma"];
+const HEAT: [(&str, Field); 2] = [("ienergy", Field::InternalEnergy), ("gamma", Field::Heating)];
 
 const OVITO: [(&str, Field); 20] = [
     ("x", Field::Place(0)),
@@ -96,7 +97,7 @@ fn field(name: &str) -> Option<Field> {
         .or_else(|| axis(["vx", "vy", "vz"]).map(Field::Velocity))
         .or_else(|| strain.map(Field::Strain))
         .or_else(|| Column::named(name).map(Field::Stored))
-        .or_else(|| ABSENT.contains(&name).then_some(Field::Zero))
+        .or_else(|| HEAT.iter().find(|(known, _)| *known == name).map(|(_, field)| *field))
         .or(match name {
             "mass" => Some(Field::Mass),
             "seq" => Some(Field::Equivalent),
@@ -112,7 +113,7 @@ fn known_names() -> impl Iterator<Item = &'static str> {
     ["x", "y", "z", "vx", "vy", "vz", "mass", "seq", "volume", "rho", "p", "radius", "ovito"]
         .into_iter()
         .chain(STRAIN)
-        .chain(ABSENT)
+        .chain(HEAT.map(|(name, _)| name))
         .chain(Column::ALL.into_iter().map(|column| column.info().name))
 }
 
@@ -211,7 +212,12 @@ fn values(field: Field, world: &World) -> Values<'_> {
             Values::Slice(particles.column(column))
         }
         Field::Stored(column) => Values::Constant(column.info().initial),
-        Field::Zero => Values::Constant(0.0),
+        Field::InternalEnergy => {
+            made(&|p| world.of_particle(p, |solid, state| solid.law.internal_energy(state, 0)))
+        }
+        Field::Heating => {
+            made(&|p| world.of_particle(p, |solid, state| solid.law.heating(state, 0)))
+        }
         Field::Volume => made(&|p| jacobian[p] * particles.velocity[p][3]),
         Field::Density => {
             made(&|p| particles.position[p][3] / (jacobian[p] * particles.velocity[p][3]))

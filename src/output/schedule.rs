@@ -267,6 +267,18 @@ impl Outputs {
         Ok(())
     }
 
+    /// A warning among the last lines of a run.
+    ///
+    /// # Errors
+    /// The log cannot be written.
+    pub fn warn(&mut self, message: &str) -> Result<(), Fault> {
+        self.log.end_progress();
+        match self.run {
+            Some(_) => self.log.line(&format!("warning: {message}")),
+            None => Ok(()),
+        }
+    }
+
     /// Ends a run: loop time, speed, time by phase, figure.
     ///
     /// # Errors

@@ -109,6 +109,16 @@ impl<'a> Args<'a> {
         self.list.get(self.next).is_some_and(|argument| argument.quoted)
     }
 
+    /// Warns of an old form, with the modern line.
+    pub fn old_form(&mut self, modern: &str) {
+        let message = format!("an old form of `{}`", self.command.text);
+        self.remarks.push(
+            Diagnostic::warning(Code::Compatibility, self.span, message)
+                .label("accepted")
+                .help(format!("the modern line is `{modern}`")),
+        );
+    }
+
     fn with_usage(&self, error: Diagnostic) -> Diagnostic {
         match &self.usage {
             Some(usage) => error.help(format!("usage: {usage}")),

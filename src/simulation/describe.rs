@@ -191,7 +191,14 @@ impl Simulation {
                 on(self.scheme.kind() == SchemeKind::Musl, "scheme musl", "the scheme has none"),
             ),
             ("F-bar", on(self.world.method.averaged_dilation, "anti_locking", "anti_locking none")),
-            ("temperature", "off: no material has a heat capacity".to_string()),
+            (
+                "temperature",
+                on(
+                    has(Column::Temperature),
+                    "a material reads it",
+                    "no material has a temperature law or depends on the temperature",
+                ),
+            ),
             (
                 "contact",
                 match self.world.method.total {

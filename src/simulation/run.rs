@@ -61,6 +61,13 @@ impl Simulation {
                 break;
             }
         }
+        if self.loops.clipped > 0 {
+            self.outputs.warn(&format!(
+                "in {} particle-steps the density was beyond 98 % of the pole of the shock curve; \
+                 the pressure went on along its tangent",
+                self.loops.clipped
+            ))?;
+        }
         self.outputs.end_run(span.steps, self.world.particles.len(), &self.loops.timing)
     }
 
@@ -88,6 +95,7 @@ impl Simulation {
     /// Start of a run (language.md 7.2): columns, fixes that act once, nodes, first dt.
     fn prepare(&mut self) -> Result<Hooks, Fault> {
         self.loops.timing.restart();
+        self.loops.clipped = 0;
         self.ready()?;
         let hooks = self.hooks();
         self.next = self.first_step();
@@ -260,7 +268,7 @@ impl Simulation {
             false => self.world.domain.cell,
         };
         let steps = reports.iter().enumerate().map(|(lattice, report)| {
-            time_step::stable(report, cell(lattice), self.dt_factor * courant)
+            time_step::stable(report, cell(lattice), dimension, self.dt_factor * courant)
         });
         let none = TimeStep { dt: f64::INFINITY, limit: Limit::Acoustic };
         steps.fold(none, |least, step| if step.dt < least.dt { step } else { least })

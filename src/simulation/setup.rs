@@ -158,6 +158,24 @@ impl Simulation {
         (0..self.world.solids.len() as u16).all(|solid| particles.solid.contains(&solid))
     }
 
+    /// Gives the solid added last its temperature \[K\].
+    pub fn heat_last_solid(&mut self, temperature: f64) {
+        let number = self.world.solids.len().saturating_sub(1) as u16;
+        let particles = &mut self.world.particles;
+        let mut column = ColumnSet::default();
+        column.insert(Column::Temperature);
+        if temperature != 0.0 {
+            particles.require(column);
+        }
+        let solids = std::mem::take(&mut particles.solid);
+        for (value, solid) in particles.column_mut(Column::Temperature).iter_mut().zip(&solids) {
+            if *solid == number {
+                *value = temperature;
+            }
+        }
+        particles.solid = solids;
+    }
+
     /// The group of a name.
     pub fn group(&self, name: &str) -> Option<GroupId> {
         self.world.groups.0.iter().position(|group| group.name == name).map(GroupId)
