@@ -13,6 +13,7 @@ mod manufactured;
 mod mirror;
 mod scene;
 mod script;
+mod shock;
 mod two_disks;
 mod vortex;
 mod way;
