@@ -4,6 +4,7 @@ pub mod flow;
 pub mod fluid;
 pub mod johnson_cook;
 pub mod linear;
+pub mod linear_flow;
 pub mod plastic;
 pub mod swift;
 

@@ -90,7 +90,8 @@ fn johnson_cook(law: &JohnsonCook, strain: f64, rate: f64, temperature: f64) -> 
     let ratio = (rate / law.reference_rate).max(1.0);
     let heat = ((temperature - law.reference) / (law.melting - law.reference)).clamp(0.0, 1.0);
     let hardened = law.initial + law.hardening * strain.powf(law.exponent);
-    hardened * (1.0 + law.sensitivity * ratio.ln()) * (1.0 - heat.powf(law.softening))
+    let softened = if law.softening > 0.0 { 1.0 - heat.powf(law.softening) } else { 1.0 };
+    hardened * (1.0 + law.sensitivity * ratio.ln()) * softened
 }
 
 #[test]

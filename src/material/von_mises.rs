@@ -6,7 +6,7 @@ use super::state::STRESS;
 use super::{BuildMaterial, Chunk, Elastic, Lane, Law, State};
 use crate::math::v4::{Sweep, Wide, dispatch};
 use crate::model::column::{Column, ColumnSet};
-use crate::strength::flow;
+use crate::strength::linear_flow::{LinearFlow, flow_linearly};
 use crate::style::Style;
 use std::sync::Arc;
 
@@ -72,8 +72,8 @@ impl Law for VonMises {
             2 => dispatch(Pressure::<2> { bulk, chunk, stages }),
             _ => dispatch(Pressure::<3> { bulk, chunk, stages }),
         }
-        let law = flow::Linear { yield_stress: self.yield_stress, hardening: self.hardening };
-        flow::flow_linearly(law, self.elastic.shear, false, chunk, stages);
+        let law = LinearFlow { yield_stress: self.yield_stress, hardening: self.hardening };
+        flow_linearly(law, self.elastic.shear, false, chunk, stages);
         assemble(false, chunk, stages);
     }
 

@@ -32,14 +32,19 @@ const EXP: [f64; 5] = [
 /// Exponents beyond these give 0 (or nearly so) and numbers near the largest.
 const EXPONENTS: [f64; 2] = [-708.0, 709.0];
 
-/// c0 + c1 x + c2 x^2 + ...
+/// c0 + c1 x + c2 x^2 + ..., N odd: even and odd powers apart, so that two chains of operations
+/// run side by side.
 #[inline(always)]
 fn polynomial<V: Wide, const N: usize>(coefficients: &[f64; N], x: V) -> V {
-    let mut sum = V::splat(coefficients[N - 1]);
-    for k in (0..N - 1).rev() {
-        sum = sum.mul_add(x, V::splat(coefficients[k]));
+    let square = x * x;
+    let (mut even, mut odd) = (V::splat(coefficients[N - 1]), V::splat(coefficients[N - 2]));
+    for k in (0..N / 2).rev() {
+        even = even.mul_add(square, V::splat(coefficients[2 * k]));
+        if k > 0 {
+            odd = odd.mul_add(square, V::splat(coefficients[2 * k - 1]));
+        }
     }
-    sum
+    odd.mul_add(x, even)
 }
 
 /// ln x of positive normal numbers; -709 at 0.

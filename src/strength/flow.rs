@@ -5,7 +5,7 @@
 
 use crate::material::stages::{Stages, integrity, trial};
 use crate::material::state::STRESS;
-use crate::material::{Chunk, State};
+use crate::material::{Chunk, GROUPS, Lane, NOTHING, State};
 use crate::math::v4::{Sweep, Wide, dispatch};
 use crate::model::column::Column;
 
@@ -20,8 +20,8 @@ pub trait Flow: Copy {
     /// Y at rest.
     fn at_rest<V: Wide>(&self, strain: V) -> V;
 
-    /// Y(ep + dep, dep/dt) and its derivative by dep > 0.
-    fn moving<V: Wide>(&self, strain: V, increment: V, dt: f64) -> [V; 2];
+    /// Y(ep + dep, dep/dt) and its first and second derivatives by dep > 0.
+    fn moving<V: Wide>(&self, strain: V, increment: V, dt: f64) -> [V; 3];
 
     /// Distance of dep from the next point where Y is not smooth.
     fn smoothness<V: Wide>(&self, strain: V, increment: V, dt: f64) -> V;
@@ -58,28 +58,32 @@ impl<F: Flow, const DAMAGED: bool> Sweep for Return<'_, '_, F, DAMAGED> {
         let dt = chunk.dt;
         let state = &mut *chunk.state;
         let zero = V::splat(0.0);
+        let mut flowing = Groups::default();
         for group in state.groups() {
             let trial = V::load(&stages.equivalent[group]);
             let left = integrity::<V, DAMAGED>(state.lane(Column::Damage), group);
             zero.store(&mut stages.increment[group]);
-            if !(left * law.floor(state, group)).any_below(trial) {
-                state.set_four(Column::PlasticStrainRate, group, zero);
-                continue;
+            match (left * law.floor(state, group)).any_below(trial) {
+                true => flowing.push(group),
+                false => state.set_four(Column::PlasticStrainRate, group, zero),
             }
-            let strain: V = state.four(Column::PlasticStrain, group);
-            let old_rate: V = state.four(Column::PlasticStrainRate, group);
-            let softening = left * law.softening(state, group);
-            let problem = Problem {
-                trial,
-                stiffness: left * V::splat(3.0 * shear),
-                softening,
-                strain,
-                guess: old_rate * V::splat(dt),
-            };
-            let increment = problem.solve(&law, dt);
-            let stress = trial - problem.stiffness * increment;
+        }
+        if flowing.count == 0 {
+            return;
+        }
+        let mut search = Search::default();
+        let stiffness = 3.0 * shear;
+        search.begin::<V, F, DAMAGED>(&law, stiffness, dt, state, stages, &flowing);
+        search.solve::<V, F, DAMAGED>(&law, stiffness, dt, state, stages, flowing);
+        for group in flowing.iter() {
+            let trial = V::load(&stages.equivalent[group]);
+            let left = integrity::<V, DAMAGED>(state.lane(Column::Damage), group);
+            let increment = V::load(&search.increment[group]);
+            let stress = trial - left * V::splat(stiffness) * increment;
             // Without any strength nothing is left, not even round-off.
+            let softening = V::load(&search.softening[group]);
             let stress = zero.below(softening, stress, zero.below(increment, zero, trial));
+            let strain: V = state.four(Column::PlasticStrain, group);
             settle(state, stages, group, [trial, stress, strain, increment], dt);
         }
     }
@@ -87,7 +91,7 @@ impl<F: Flow, const DAMAGED: bool> Sweep for Return<'_, '_, F, DAMAGED> {
 
 /// s <- s q/q_trial, ep, epdot, and what the next stages read.
 #[inline(always)]
-fn settle<V: Wide>(
+pub(super) fn settle<V: Wide>(
     state: &mut State,
     stages: &mut Stages,
     group: usize,
@@ -107,9 +111,9 @@ fn settle<V: Wide>(
     increment.store(&mut stages.increment[group]);
 }
 
-/// A change below this part of the distance to the next rough point is the last: the one after it
-/// would be its square.
-const LAST_CHANGE: f64 = 1e-6;
+/// A change below this part of dep, and of its distance from the next rough point, is the last: the
+/// one after it would be its cube.
+const LAST_CHANGE: f64 = 1e-4;
 
 /// Residuals below this part of q are round-off.
 const ROUND_OFF: f64 = 4e-15;
@@ -117,105 +121,150 @@ const ROUND_OFF: f64 = 4e-15;
 /// More steps than any bisection needs to bring the bracket below round-off.
 const MOST_STEPS: usize = 60;
 
-/// q - 3 G (1 - D) dep = softening Y(ep + dep, dep/dt) of four particles.
+/// Groups of four that are not done.
+#[derive(Clone, Copy, Default)]
+struct Groups {
+    list: [u8; GROUPS],
+    count: usize,
+}
+
+impl Groups {
+    #[inline(always)]
+    fn push(&mut self, group: usize) {
+        self.list[self.count] = group as u8;
+        self.count += 1;
+    }
+
+    #[inline(always)]
+    fn iter(&self) -> impl Iterator<Item = usize> + use<> {
+        let Self { list, count } = *self;
+        (0..count.min(GROUPS)).map(move |place| usize::from(list[place]) % GROUPS)
+    }
+}
+
+/// The solution of q - 3 G (1 - D) dep = softening Y(ep + dep, dep/dt) for the groups of a chunk.
+/// Every step is done for all of them before the next one: the chains of operations of several
+/// groups then overlap in the processor.
+struct Search {
+    softening: Lane,
+    /// dep.
+    increment: Lane,
+    low: Lane,
+    high: Lane,
+    /// 1 where dep is not known well enough yet.
+    open: Lane,
+}
+
+impl Default for Search {
+    fn default() -> Self {
+        let [softening, increment, low, high, open] = [NOTHING; 5];
+        Self { softening, increment, low, high, open }
+    }
+}
+
+impl Search {
+    /// Brackets and first guesses; 0 where q <= Y.
+    #[inline(always)]
+    fn begin<V: Wide, F: Flow, const DAMAGED: bool>(
+        &mut self,
+        law: &F,
+        stiffness: f64,
+        dt: f64,
+        state: &State,
+        stages: &Stages,
+        groups: &Groups,
+    ) {
+        let (zero, one) = (V::splat(0.0), V::splat(1.0));
+        for group in groups.iter() {
+            let left = integrity::<V, DAMAGED>(state.lane(Column::Damage), group);
+            let softening = left * law.softening(state, group);
+            let strength = softening * law.at_rest(state.four::<V>(Column::PlasticStrain, group));
+            let excess = V::load(&stages.equivalent[group]) - strength;
+            let high = zero.below(excess, excess / (left * V::splat(stiffness)), zero);
+            // The rate of the last step is the best guess; at first none is as good as any.
+            let guess: V = V::splat(dt) * state.four::<V>(Column::PlasticStrainRate, group);
+            let guess = zero.below(guess, guess.smaller(high), high);
+            softening.store(&mut self.softening[group]);
+            guess.store(&mut self.increment[group]);
+            high.store(&mut self.high[group]);
+            zero.below(excess, one, zero).store(&mut self.open[group]);
+        }
+    }
+
+    /// Halley's iteration, safeguarded by bisection, each particle for itself.
+    #[inline(always)]
+    fn solve<V: Wide, F: Flow, const DAMAGED: bool>(
+        &mut self,
+        law: &F,
+        stiffness: f64,
+        dt: f64,
+        state: &State,
+        stages: &Stages,
+        mut groups: Groups,
+    ) {
+        let zero = V::splat(0.0);
+        for _ in 0..MOST_STEPS {
+            let mut left = Groups::default();
+            for group in groups.iter() {
+                let intact = integrity::<V, DAMAGED>(state.lane(Column::Damage), group);
+                let problem = Problem {
+                    trial: V::load(&stages.equivalent[group]),
+                    stiffness: intact * V::splat(stiffness),
+                    softening: V::load(&self.softening[group]),
+                    strain: state.four(Column::PlasticStrain, group),
+                };
+                let open = self.improve(law, group, &problem, dt);
+                left.list[left.count % GROUPS] = group as u8;
+                left.count += usize::from(zero.any_below(open));
+            }
+            groups = left;
+            if groups.count == 0 {
+                break;
+            }
+        }
+    }
+
+    /// One step for a group: x <- x + 2 r d/(2 d^2 + r s Y''), d = 3 G (1 - D) + s Y'.
+    #[inline(always)]
+    fn improve<V: Wide, F: Flow>(
+        &mut self,
+        law: &F,
+        group: usize,
+        problem: &Problem<V>,
+        dt: f64,
+    ) -> V {
+        let Problem { trial, stiffness, softening, strain } = *problem;
+        let (zero, half) = (V::splat(0.0), V::splat(0.5));
+        let (x, open) = (V::load(&self.increment[group]), V::load(&self.open[group]));
+        let [y, slope, curvature] = law.moving(strain, x, dt);
+        let residual = trial - stiffness * x - softening * y;
+        let low = zero.below(residual, x, V::load(&self.low[group]));
+        let high = residual.below(zero, x, V::load(&self.high[group]));
+        let d = softening.mul_add(slope, stiffness);
+        let square = d * d;
+        let bent = (square + square) + residual * softening * curvature;
+        let next = x + (residual + residual) * d / bent.larger(square);
+        let middle = half * (low + high);
+        let next = next.below(low, middle, high.below(next, middle, next));
+        let change = (next - x).absolute();
+        // A particle that has settled stays, whatever its neighbours do.
+        let x = zero.below(open, next, x);
+        let smooth = law.smoothness(strain, x, dt).smaller(x);
+        let open = change.below(V::splat(LAST_CHANGE) * smooth, zero, open);
+        let open = residual.absolute().below(V::splat(ROUND_OFF) * trial, zero, open);
+        x.store(&mut self.increment[group]);
+        low.store(&mut self.low[group]);
+        high.store(&mut self.high[group]);
+        open.store(&mut self.open[group]);
+        open
+    }
+}
+
+/// What does not change during the search, of four particles.
+#[derive(Clone, Copy)]
 struct Problem<V> {
     trial: V,
     stiffness: V,
     softening: V,
     strain: V,
-    guess: V,
-}
-
-impl<V: Wide> Problem<V> {
-    /// dep by Newton's iteration, safeguarded by bisection; 0 where q <= Y.
-    #[inline(always)]
-    fn solve<F: Flow>(&self, law: &F, dt: f64) -> V {
-        let (zero, one, half) = (V::splat(0.0), V::splat(1.0), V::splat(0.5));
-        let excess = self.trial - self.softening * law.at_rest(self.strain);
-        let yields = zero.below(excess, one, zero);
-        let (mut low, mut high) = (zero, zero.below(excess, excess / self.stiffness, zero));
-        // The rate of the last step is the best guess; at first no hardening is as good as any.
-        let mut x = zero.below(self.guess, self.guess.smaller(high), high);
-        let mut open = yields;
-        for _ in 0..MOST_STEPS {
-            if !zero.any_below(open) {
-                break;
-            }
-            let [y, slope] = law.moving(self.strain, x, dt);
-            let residual = self.trial - self.stiffness * x - self.softening * y;
-            low = zero.below(residual, x, low);
-            high = residual.below(zero, x, high);
-            let next = x + residual / self.softening.mul_add(slope, self.stiffness);
-            let middle = half * (low + high);
-            let next = next.below(low, middle, high.below(next, middle, next));
-            let change = (next - x).absolute();
-            // A particle that has settled stays, whatever its neighbours do.
-            x = zero.below(open, next, x);
-            let least = V::splat(LAST_CHANGE) * law.smoothness(self.strain, x, dt);
-            open = change.below(least, zero, open);
-            let noise = V::splat(ROUND_OFF) * self.trial;
-            open = residual.absolute().below(noise, zero, open);
-        }
-        zero.below(yields, x, zero)
-    }
-}
-
-/// Y = sigma_y + H ep.
-#[derive(Clone, Copy, Debug)]
-pub struct Linear {
-    /// sigma_y \[P\].
-    pub yield_stress: f64,
-    /// H \[P\].
-    pub hardening: f64,
-}
-
-/// Trial and return to the yield surface of a flow stress (1 - D) (sigma_y + H ep), in closed form.
-pub fn flow_linearly(
-    law: Linear,
-    shear: f64,
-    damaged: bool,
-    chunk: &mut Chunk<'_>,
-    stages: &mut Stages,
-) {
-    trial(shear, damaged, chunk, stages);
-    match damaged {
-        true => dispatch(LinearReturn::<true> { law, shear, chunk, stages }),
-        false => dispatch(LinearReturn::<false> { law, shear, chunk, stages }),
-    }
-}
-
-struct LinearReturn<'a, 'b, const DAMAGED: bool> {
-    law: Linear,
-    shear: f64,
-    chunk: &'a mut Chunk<'b>,
-    stages: &'a mut Stages,
-}
-
-impl<const DAMAGED: bool> Sweep for LinearReturn<'_, '_, DAMAGED> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<V: Wide>(self) {
-        let Self { law: Linear { yield_stress, hardening }, shear, chunk, stages } = self;
-        let dt = chunk.dt;
-        let state = &mut *chunk.state;
-        let (zero, hardening) = (V::splat(0.0), V::splat(hardening));
-        let stiffness = V::splat(3.0 * shear) + hardening;
-        for group in state.groups() {
-            let trial = V::load(&stages.equivalent[group]);
-            let left = integrity::<V, DAMAGED>(state.lane(Column::Damage), group);
-            let strain: V = state.four(Column::PlasticStrain, group);
-            let strength = left * hardening.mul_add(strain, V::splat(yield_stress));
-            zero.store(&mut stages.increment[group]);
-            if !strength.any_below(trial) {
-                state.set_four(Column::PlasticStrainRate, group, zero);
-                continue;
-            }
-            let increment = (trial - strength) / (left * stiffness);
-            let increment = strength.below(trial, increment, zero);
-            let stress = strength + left * hardening * increment;
-            let stress = strength.below(trial, stress, trial);
-            settle(state, stages, group, [trial, stress, strain, increment], dt);
-        }
-    }
 }

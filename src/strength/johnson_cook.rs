@@ -160,20 +160,24 @@ impl<const HEAT: bool, const RATE: bool> Flow for Factors<HEAT, RATE> {
     }
 
     #[inline(always)]
-    fn moving<V: Wide>(&self, strain: V, increment: V, dt: f64) -> [V; 2] {
+    fn moving<V: Wide>(&self, strain: V, increment: V, dt: f64) -> [V; 3] {
         let (zero, one) = (V::splat(0.0), V::splat(1.0));
         let strain = strain + increment;
+        let inverse = one / strain;
         let hardened = V::splat(self.0.hardening) * power(strain, self.0.exponent);
         let stress = V::splat(self.0.initial) + hardened;
-        let slope = V::splat(self.0.exponent) * hardened / strain;
+        let slope = V::splat(self.0.exponent) * hardened * inverse;
+        let curvature = V::splat(self.0.exponent - 1.0) * slope * inverse;
         if !RATE {
-            return [stress, slope];
+            return [stress, slope, curvature];
         }
         let sensitivity = V::splat(self.0.sensitivity);
         let ratio = increment * V::splat(1.0 / (dt * self.0.reference_rate));
         let factor = sensitivity.mul_add(ln(ratio.larger(one)), one);
-        let rise = one.below(ratio, sensitivity * stress / increment, zero);
-        [stress * factor, slope.mul_add(factor, rise)]
+        let inverse = one / increment;
+        let rise = one.below(ratio, sensitivity * inverse, zero);
+        let bend = rise * (slope + slope - stress * inverse);
+        [stress * factor, slope.mul_add(factor, stress * rise), curvature.mul_add(factor, bend)]
     }
 
     #[inline(always)]

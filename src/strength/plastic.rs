@@ -1,6 +1,6 @@
 //! Perfect plasticity.
 
-use super::flow::{Linear, flow_linearly};
+use super::linear_flow::{LinearFlow, flow_linearly};
 use super::{BuildStrength, Strength};
 use crate::material::Chunk;
 use crate::material::stages::Stages;
@@ -45,7 +45,7 @@ impl Strength for Plastic {
     }
 
     fn deviator(&self, damaged: bool, chunk: &mut Chunk<'_>, stages: &mut Stages) {
-        let law = Linear { yield_stress: self.yield_stress, hardening: 0.0 };
+        let law = LinearFlow { yield_stress: self.yield_stress, hardening: 0.0 };
         flow_linearly(law, self.shear, damaged, chunk, stages);
     }
 }

@@ -89,11 +89,13 @@ impl Flow for Swift {
     }
 
     #[inline(always)]
-    fn moving<V: Wide>(&self, strain: V, increment: V, _dt: f64) -> [V; 2] {
+    fn moving<V: Wide>(&self, strain: V, increment: V, _dt: f64) -> [V; 3] {
         let beyond = self.beyond(strain + increment);
+        let inverse = V::splat(1.0) / beyond.larger(V::splat(1e-150));
         let hardened = V::splat(self.hardening) * power(beyond, self.exponent);
-        let slope = V::splat(self.exponent) * hardened / beyond.larger(V::splat(1e-300));
-        [V::splat(self.initial) + hardened, slope]
+        let slope = V::splat(self.exponent) * hardened * inverse;
+        let curvature = V::splat(self.exponent - 1.0) * slope * inverse;
+        [V::splat(self.initial) + hardened, slope, curvature]
     }
 
     #[inline(always)]
