@@ -14,6 +14,7 @@ mod mirror;
 mod scene;
 mod script;
 mod shock;
+mod taylor;
 mod two_disks;
 mod vortex;
 mod way;
