@@ -68,8 +68,8 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
         ));
     }
     let temperature = match args.remaining() {
-        0 => law.initial_temperature(),
-        _ => args.number("the initial temperature T0")?.value,
+        0 => None,
+        _ => Some(args.number("the initial temperature T0")?.value),
     };
     if total {
         let bounds = region.bounds();
@@ -104,7 +104,9 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
         }
         let (name, material, region) = (&id.text, &material.text, region.as_ref());
         simulation.add_solid_of_cell(name, material, law, region, particles_per_cell, cells.cell);
-        simulation.heat_last_solid(temperature);
+        if let Some(temperature) = temperature {
+            simulation.heat_last_solid(temperature);
+        }
     }))
 }
 

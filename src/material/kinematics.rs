@@ -403,7 +403,9 @@ impl<const D: usize> Sweep for Thinnest<'_, D> {
         let mut least: f64 = 1.0;
         for group in state.groups() {
             let [low, _] = squared_stretches::<V, D>(&state.deformation_of_four(group));
-            let low = low.array();
+            // Failed particles limit nothing.
+            let (damage, one): (V, V) = (state.four(Column::Damage, group), V::splat(1.0));
+            let low = damage.below(one, low, one).array();
             for lane in 0..(state.len - 4 * group).min(4) {
                 least = least.min(low[lane]);
             }

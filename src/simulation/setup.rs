@@ -128,6 +128,7 @@ impl Simulation {
         let particles = &mut self.world.particles;
         particles.require(columns);
         let before = particles.len();
+        let temperature = law.initial_temperature();
         let solid = self.world.solids.len() as u16;
         let mut id = particles.id.iter().copied().max().unwrap_or(0);
         let _: ControlFlow<()> = fill::visit(&domain, region, particles_per_cell, |place| {
@@ -143,6 +144,7 @@ impl Simulation {
             cells: domain,
             columns,
         });
+        self.heat_last_solid(temperature);
         self.world.particles.len() - before
     }
 
