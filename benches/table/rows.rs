@@ -61,6 +61,7 @@ pub const ROWS: &[Row] = &[
     row("3-D TL linear", block(3, "tlmpm", HAT, [21, 10]), 160, Goal::Speed(14.0), Some(1150)),
     row("block.mpm", input(3, "block.mpm", [21, 10]), 160, Goal::Speed(22.0), Some(550)),
     row("square.mpm", input(2, "square.mpm", [136, 45]), 160, Goal::Speed(42.0), Some(320)),
+    row("copper-block.mpm", input(3, "copper-block.mpm", [21, 10]), 80, Goal::Speed(17.0), Some(900)),
     row("two threads, 74 k", block(3, "ulmpm", HAT, [21, 10]), 200, Goal::SpeedUp(1.6), None),
     row("two threads, 1 M", block(3, "ulmpm", HAT, [50, 12]), 20, Goal::SpeedUp(1.8), None),
     row("two disks", Scene::Disks, 350, Goal::Whole(12.0), None),
