@@ -92,10 +92,10 @@ fn script(options: &Options, mode: Mode) -> u8 {
             return FILES;
         }
     };
-    if let Some(threads) = options.threads {
-        // Refused only if the pool exists already, which is then the one to use.
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-    }
+    // This thread works too, so that a sweep does not begin with waking another. Refused only if
+    // the pool exists already, which is then the one to use.
+    let pool = rayon::ThreadPoolBuilder::new().use_current_thread();
+    let _ = pool.num_threads(options.threads.unwrap_or(0)).build_global();
     let (source, encoding) = Source::from_bytes(options.script.display().to_string(), &bytes);
     let (script, mut found) = play::rehearse(source, &options.variables);
     found.extend(encoding);

@@ -4,13 +4,14 @@
 //! enough cells per side, tiles of one colour never touch the same node: they run in parallel,
 //! colours one after another. Tiles of different lattices share no node at all.
 
+use super::shared::Shared;
 use super::stencil::Frame;
 use crate::material::State;
 use crate::model::column::Column;
 use crate::model::domain::Domain;
 use crate::shape::ShapeKind;
-use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Cells along a side of a tile.
 ///
@@ -122,28 +123,90 @@ pub struct Tiles {
 impl Tiles {
     /// Does the work for every tile; gives all reports in one.
     pub fn sweep(&mut self, work: impl Fn(Tile<'_>, &mut Report) + Sync) -> Report {
-        for colour in self.colours.windows(2) {
-            let tiles = colour[0]..colour[1];
-            let ranges = &self.ranges[tiles.clone()];
-            let lattices = &self.lattices[tiles.clone()];
-            let reports = &mut self.reports[tiles];
-            let frames = &self.frames;
-            let each = |((range, lattice), report): ((&Range<usize>, &u16), &mut Report)| {
-                *report = Report::default();
-                work(Tile { range: range.clone(), frame: &frames[*lattice as usize] }, report);
-            };
-            if self.parallel {
-                ranges.par_iter().zip(lattices).zip(reports).for_each(each);
-            } else {
-                ranges.iter().zip(lattices).zip(reports).for_each(each);
-            }
-        }
+        let queue = Queue {
+            next: AtomicUsize::new(0),
+            done: AtomicUsize::new(0),
+            ranges: &self.ranges,
+            lattices: &self.lattices,
+            frames: &self.frames,
+            colours: &self.colours,
+            reports: Shared::new(&mut self.reports),
+            work: &work,
+        };
+        let workers = if self.parallel { rayon::current_num_threads() } else { 1 };
+        side_by_side(workers, &|| queue.serve());
         self.by_lattice.fill(Report::default());
         for (report, lattice) in self.reports.iter().zip(&self.lattices) {
             let sum = &mut self.by_lattice[*lattice as usize];
             *sum = sum.join(report);
         }
         self.by_lattice.iter().fold(Report::default(), Report::join)
+    }
+}
+
+/// Calls `worker` so many times, side by side where threads are free.
+fn side_by_side(count: usize, worker: &(impl Fn() + Sync)) {
+    if count <= 1 {
+        return worker();
+    }
+    let half = count / 2;
+    rayon::join(|| side_by_side(half, worker), || side_by_side(count - half, worker));
+}
+
+/// The tiles of one sweep, taken one after the other by whoever is free; those of a colour begin
+/// when all of the colour before are done. One fork of threads then serves all colours.
+struct Queue<'a, W> {
+    /// The next tile to take.
+    next: AtomicUsize,
+    /// Tiles that are done.
+    done: AtomicUsize,
+    ranges: &'a [Range<usize>],
+    lattices: &'a [u16],
+    frames: &'a [Frame],
+    colours: &'a [usize],
+    reports: Shared<'a, Report>,
+    work: &'a W,
+}
+
+impl<W: Fn(Tile<'_>, &mut Report) + Sync> Queue<'_, W> {
+    /// Takes tiles until none is left.
+    fn serve(&self) {
+        loop {
+            let tile = self.next.fetch_add(1, Ordering::Relaxed);
+            if tile >= self.ranges.len() {
+                return;
+            }
+            let first_of_colour = self.colours.partition_point(|first| *first <= tile) - 1;
+            self.wait_for(self.colours[first_of_colour]);
+            // Counts the tile even if the work panics, so that nobody waits for ever.
+            let _counted = Counted(&self.done);
+            // SAFETY: the counter gives each tile to one worker.
+            let report = unsafe { self.reports.part(tile..tile + 1) };
+            report[0] = Report::default();
+            let frame = &self.frames[self.lattices[tile] as usize];
+            (self.work)(Tile { range: self.ranges[tile].clone(), frame }, &mut report[0]);
+        }
+    }
+
+    /// Waits until so many tiles are done: what their workers wrote can then be seen. Every tile
+    /// that is waited for is with a worker that runs, since workers only wait for earlier colours.
+    fn wait_for(&self, tiles: usize) {
+        let mut rounds = 0;
+        while self.done.load(Ordering::Acquire) < tiles {
+            rounds += 1;
+            if rounds < PATIENCE { std::hint::spin_loop() } else { std::thread::yield_now() }
+        }
+    }
+}
+
+/// Rounds of waiting before a worker lets others have its processor.
+const PATIENCE: u32 = 2000;
+
+struct Counted<'a>(&'a AtomicUsize);
+
+impl Drop for Counted<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_add(1, Ordering::Release);
     }
 }
 
