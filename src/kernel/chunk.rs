@@ -7,7 +7,7 @@ use crate::material::kinematics::Description;
 use crate::material::state::{STRESS, load_tensor, symmetric_tensor};
 use crate::material::{Chunk, GROUPS, LANES, Lane, Law, NOTHING, State};
 use crate::math::v4::{Sweep, Wide, dispatch};
-use crate::math::wide::{cofactors, in_space, product, product_transposed};
+use crate::math::wide::{cofactors, product, product_transposed};
 use crate::model::column::Column;
 use std::cell::RefCell;
 
@@ -28,6 +28,8 @@ pub struct Scratch {
     pub numbers: Lane,
     /// Cell size h of the solid \[L\].
     pub cell: f64,
+    /// Dimensions of the scene that wrote `gradient` last; entries beyond them are 0.
+    spanned: usize,
 }
 
 impl Default for Scratch {
@@ -39,6 +41,7 @@ impl Default for Scratch {
             records: [[[0.0; 4]; LANES]; 3],
             numbers: NOTHING,
             cell: 0.0,
+            spanned: 0,
         }
     }
 }
@@ -62,33 +65,26 @@ impl Scratch {
             clipped: 0,
         }
     }
-}
 
-/// gradient <- factor times records, entry by entry.
-#[inline(always)]
-pub fn spread<V: Wide, const D: usize>(
-    records: &Records,
-    factor: f64,
-    gradient: &mut [Lane; 9],
-    groups: usize,
-) {
-    let factor = V::splat(factor);
-    for group in 0..groups.min(GROUPS) {
-        for j in 0..D {
-            let mut four = [V::splat(0.0); 4];
-            for p in 0..4 {
-                four[p] = V::load(&records[j][4 * group + p]);
-            }
-            let rows = V::transpose(four);
-            for i in 0..D {
-                (factor * rows[i]).store(&mut gradient[3 * i + j][group]);
-            }
+    /// gradient <- factor times records, entry by entry.
+    #[inline(always)]
+    pub fn spread<V: Wide, const D: usize>(&mut self, factor: f64, groups: usize) {
+        if self.spanned != D {
+            self.gradient = [NOTHING; 9];
+            self.spanned = D;
         }
-    }
-    // Entries beyond the dimension may hold numbers of another scene.
-    for entry in 0..9 {
-        if !in_space::<D>(entry) {
-            gradient[entry][..groups.min(GROUPS)].fill([0.0; 4]);
+        let (factor, gradient) = (V::splat(factor), &mut self.gradient);
+        for group in 0..groups.min(GROUPS) {
+            for j in 0..D {
+                let mut four = [V::splat(0.0); 4];
+                for p in 0..4 {
+                    four[p] = V::load(&self.records[j][4 * group + p]);
+                }
+                let rows = V::transpose(four);
+                for i in 0..D {
+                    (factor * rows[i]).store(&mut gradient[3 * i + j][group]);
+                }
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! F-bar: the volumetric part of L, averaged over the grid (language.md 9.1).
 
 use super::by_kind;
-use super::chunk::{SCRATCH, Scratch, spread};
+use super::chunk::{SCRATCH, Scratch};
 use super::points::of_one_solid;
 use super::shared::Shared;
 use super::stencil::{Frame, Stencil};
@@ -77,7 +77,7 @@ impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
             }
         }
         let groups = scratch.state.groups().end;
-        spread::<V, D>(&scratch.records, frame.inverse_spacing, &mut scratch.gradient, groups);
+        scratch.spread::<V, D>(frame.inverse_spacing, groups);
         for group in 0..groups {
             let trace = trace_of::<V, D>(scratch, description, group);
             trace.store(&mut scratch.numbers[group]);

@@ -1,7 +1,7 @@
 //! Velocity gradients, stress and movement of the particles, and P2G.
 
 use super::by_kind;
-use super::chunk::{SCRATCH, Scratch, spread, stresses};
+use super::chunk::{SCRATCH, Scratch, stresses};
 use super::scatter::Parcel;
 use super::shared::Shared;
 use super::stencil::Frame;
@@ -135,12 +135,6 @@ pub fn of_one_solid(range: Range<usize>, solid: &[u16]) -> impl Iterator<Item = 
     })
 }
 
-/// The larger of two numbers, in one instruction; a number that is not one never wins.
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if b > a { b } else { a }
-}
-
 /// One chunk.
 struct Part<'a, const D: usize, const W: usize, S> {
     solid: &'a Solid,
@@ -247,17 +241,16 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
     #[inline(always)]
     fn update<V: Wide>(&mut self) {
         let groups = self.scratch.state.groups().end;
-        let Scratch { records, gradient, .. } = &mut *self.scratch;
         // The lanes that fill up the last group have no gradient.
         let len = self.range.len().min(LANES);
-        for column in records.iter_mut().take(D) {
+        for column in self.scratch.records.iter_mut().take(D) {
             column[len..(4 * groups).clamp(len, LANES)].fill([0.0; 4]);
         }
         let scale = match self.points.matrix_is_gradient {
             true => 1.0,
             false => self.frame.inverse_spacing,
         };
-        spread::<V, D>(records, scale, gradient, groups);
+        self.scratch.spread::<V, D>(scale, groups);
         if self.points.keep_gradient {
             self.keep_gradient();
         }
@@ -326,7 +319,7 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
         for (wave, v) in speed.as_flattened().iter().zip(velocity) {
             fastest = (V::load(v).absolute() + V::splat(*wave)).larger(fastest);
         }
-        self.report.fastest = fastest.array()[..D].iter().fold(0.0, |a, b| larger(a, *b));
+        self.report.fastest = fastest.array()[..D].iter().fold(0.0, |a, b| a.max(*b));
         let mut largest = V::splat(0.0);
         for group in 0..state.groups().end.min(GROUPS) {
             let mut square = V::splat(0.0);
@@ -338,7 +331,7 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
             }
             largest = square.larger(largest);
         }
-        self.report.rate = largest.array().into_iter().fold(self.report.rate, larger);
+        self.report.rate = largest.array().into_iter().fold(self.report.rate, f64::max);
         if self.seen.description == Description::Total {
             self.report.thinnest = self.report.thinnest.min(thinnest(state));
         }
