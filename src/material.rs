@@ -218,9 +218,8 @@ pub trait Law: Send + Sync {
 pub fn write_strain(state: &State, out: &mut [Lane; 6], strain: impl Fn(usize) -> Tensor) {
     for p in 0..state.len {
         let e = strain(p);
-        let components = [e[(0, 0)], e[(1, 1)], e[(2, 2)], e[(0, 1)], e[(0, 2)], e[(1, 2)]];
-        for (lane, component) in out.iter_mut().zip(components) {
-            lane[p / 4][p % 4] = component;
+        for (lane, place) in out.iter_mut().zip(state::PLACES) {
+            lane[p / 4][p % 4] = e[place];
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What happens to F, J and stored stresses before a law acts (language.md 9.1, 9.2).
 
 use super::state::{
-    Chunk, DEFORMATION, STRAIN, STRESS, State, load_tensor, store_tensor, symmetric_tensor,
+    Chunk, DEFORMATION, PLACES, STRESS, State, load_tensor, store_tensor, symmetric_tensor,
 };
 use super::{Law, StressRate};
 use crate::math::tensor::{Tensor, cayley, logarithmic_spin, rotation};
@@ -278,10 +278,6 @@ fn turn_by_deformation(rate: StressRate, chunk: &mut Chunk<'_>) {
         };
         let sigma = chunk.state.stress(p);
         chunk.state.set_symmetric(STRESS, p, &(q * sigma * q.transpose()));
-        if chunk.state.has(Column::E11) {
-            let strain = chunk.state.strain(p);
-            chunk.state.set_symmetric(STRAIN, p, &(q * strain * q.transpose()));
-        }
     }
 }
 
@@ -298,7 +294,6 @@ impl Sweep for JaumannInPlane<'_, '_> {
     fn run<V: Wide>(self) {
         let Chunk { state, dt, gradient, .. } = self.chunk;
         let (one, quarter) = (V::splat(1.0), V::splat(0.25 * *dt));
-        let strained = state.has(Column::E11);
         for group in state.groups() {
             let half = quarter * (V::load(&gradient[3][group]) - V::load(&gradient[1][group]));
             let square = half * half;
@@ -306,18 +301,15 @@ impl Sweep for JaumannInPlane<'_, '_> {
             let (cos, sin) = ((one - square) * scale, (half + half) * scale);
             let (cc, ss, cs) = (cos * cos, sin * sin, cos * sin);
             let turn = [cc, ss, cs];
-            turn_in_plane(state, STRESS, group, turn);
-            if strained {
-                turn_in_plane(state, STRAIN, group, turn);
-            }
+            turn_in_plane(state, group, turn);
         }
     }
 }
 
-/// The symmetric tensor of six columns, turned in the plane; cos^2, sin^2 and cos sin of the angle.
+/// The stress turned in the plane; cos^2, sin^2 and cos sin of the angle.
 #[inline(always)]
-fn turn_in_plane<V: Wide>(state: &mut State, columns: [Column; 6], group: usize, turn: [V; 3]) {
-    let ([c11, c22, _, c12, ..], [cc, ss, cs]) = (columns, turn);
+fn turn_in_plane<V: Wide>(state: &mut State, group: usize, [cc, ss, cs]: [V; 3]) {
+    let [c11, c22, _, c12, ..] = STRESS;
     let [a, b, c]: [V; 3] = state.fours([c11, c22, c12], group);
     let shift = (cs + cs) * c;
     let new = [cc * a + ss * b - shift, ss * a + cc * b + shift, cs * (a - b) + (cc - ss) * c];
@@ -336,15 +328,11 @@ impl Sweep for Jaumann<'_, '_> {
     fn run<V: Wide>(self) {
         let Chunk { state, dt, gradient, .. } = self.chunk;
         let quarter = V::splat(0.25 * *dt);
-        let strained = state.has(Column::E11);
         for group in state.groups() {
             let l: Four<V> = load_tensor(gradient, group);
             let spin = [quarter * (l[7] - l[5]), quarter * (l[2] - l[6]), quarter * (l[3] - l[1])];
             let q = cayley_of_four(spin);
-            turn_four(state, STRESS, group, &q);
-            if strained {
-                turn_four(state, STRAIN, group, &q);
-            }
+            turn_four(state, group, &q);
         }
     }
 }
@@ -368,19 +356,18 @@ fn cayley_of_four<V: Wide>([x, y, z]: [V; 3]) -> Four<V> {
     ]
 }
 
-/// The symmetric tensor of six columns becomes Q a Q^T.
+/// The stress sigma becomes Q sigma Q^T.
 #[inline(always)]
-fn turn_four<V: Wide>(state: &mut State, columns: [Column; 6], group: usize, q: &Four<V>) {
-    let a: Four<V> = symmetric_tensor(state.fours(columns, group));
+fn turn_four<V: Wide>(state: &mut State, group: usize, q: &Four<V>) {
+    let a: Four<V> = symmetric_tensor(state.fours(STRESS, group));
     let half = product::<V, 3>(q, &a);
     let mut new = [V::splat(0.0); 6];
-    let places = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
     for n in 0..6 {
-        let (i, j) = places[n];
+        let (i, j) = PLACES[n];
         let along = half[3 * i + 1].mul_add(q[3 * j + 1], half[3 * i] * q[3 * j]);
         new[n] = half[3 * i + 2].mul_add(q[3 * j + 2], along);
     }
-    state.set_fours(columns, group, new);
+    state.set_fours(STRESS, group, new);
 }
 
 /// Smallest squared singular value of F among the particles, at most 1.

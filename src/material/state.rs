@@ -29,11 +29,8 @@ pub const STRESS: [Column; 6] = {
     [S11, S22, S33, S12, S13, S23]
 };
 
-/// The columns of the elastic strain, in the same order.
-pub const STRAIN: [Column; 6] = {
-    use Column::*;
-    [E11, E22, E33, E12, E13, E23]
-};
+/// Places in a tensor of the components 11, 22, 33, 12, 13, 23.
+pub const PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
 
 /// Index into [`STRESS`] of entry 3 i + j of the symmetric tensor.
 pub const SYMMETRIC: [usize; 9] = [0, 3, 4, 3, 1, 5, 4, 5, 2];
@@ -154,12 +151,6 @@ impl State {
         &self.columns[column as usize]
     }
 
-    /// A column in groups of four, to write.
-    #[inline(always)]
-    pub fn lane_mut(&mut self, column: Column) -> &mut Lane {
-        &mut self.columns[column as usize]
-    }
-
     /// Four particles' values of a column.
     #[inline(always)]
     pub fn four<V: Wide>(&self, column: Column, group: usize) -> V {
@@ -221,22 +212,9 @@ impl State {
         Tensor::from_fn(|i, j| self.value(STRESS[SYMMETRIC[3 * i + j]], p))
     }
 
-    /// The stored elastic strain of particle `p`, in the axes of the stress.
-    pub fn strain(&self, p: usize) -> Tensor {
-        Tensor::from_fn(|i, j| self.value(STRAIN[SYMMETRIC[3 * i + j]], p))
-    }
-
-    /// Sets F of particle `p`.
-    pub fn set_deformation(&mut self, p: usize, f: &Tensor) {
-        for (entry, column) in DEFORMATION.into_iter().enumerate() {
-            self.columns[column as usize][p / 4][p % 4] = f[(entry / 3, entry % 3)];
-        }
-    }
-
     /// Sets six columns of particle `p` to a symmetric tensor.
     pub fn set_symmetric(&mut self, columns: [Column; 6], p: usize, value: &Tensor) {
-        let places = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
-        for (column, place) in columns.into_iter().zip(places) {
+        for (column, place) in columns.into_iter().zip(PLACES) {
             self.columns[column as usize][p / 4][p % 4] = value[place];
         }
     }

@@ -4,7 +4,7 @@ use super::lammps::{Format, Series, Table, Values, corners};
 use super::{BuildDump, Dump, DumpTarget, Snapshot};
 use crate::fault::Fault;
 use crate::fix::GroupKind;
-use crate::material::state::{STRESS, SYMMETRIC};
+use crate::material::state::{PLACES, STRESS, SYMMETRIC};
 use crate::material::{Lane, NOTHING};
 use crate::math::tensor::{Tensor, rotation};
 use crate::model::column::Column;
@@ -268,9 +268,6 @@ fn strain(world: &World, component: usize) -> Values<'_> {
     });
     Values::Made(values)
 }
-
-/// Places of the components 11, 22, 33, 12, 13, 23 in a tensor.
-const PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
 
 #[cfg(test)]
 mod tests {
