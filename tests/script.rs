@@ -101,24 +101,35 @@ fn good_scripts_are_accepted_with_the_warnings_they_list() {
     check("good");
 }
 
+/// The scripts of `inputs` and of the folders in it.
+fn inputs() -> Vec<PathBuf> {
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("inputs")];
+    let mut scripts = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|suffix| suffix == "mpm") {
+                scripts.push(path);
+            }
+        }
+    }
+    scripts.sort();
+    scripts
+}
+
 #[test]
 fn every_input_is_accepted_without_a_word() {
-    let inputs = Path::new(env!("CARGO_MANIFEST_DIR")).join("inputs");
-    for entry in std::fs::read_dir(inputs).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_some_and(|suffix| suffix == "mpm") {
-            let (_, diagnostics) = rehearsed(&path);
-            assert!(diagnostics.is_empty(), "{}: {diagnostics:?}", path.display());
-        }
+    for path in inputs() {
+        let (_, diagnostics) = rehearsed(&path);
+        assert!(diagnostics.is_empty(), "{}: {diagnostics:?}", path.display());
     }
 }
 
 /// Scripts to break: all that are accepted.
 fn seeds() -> Vec<String> {
-    let inputs = Path::new(env!("CARGO_MANIFEST_DIR")).join("inputs");
-    let inputs = std::fs::read_dir(inputs).unwrap().map(|entry| entry.unwrap().path());
-    let scripts = inputs.filter(|path| path.extension().is_some_and(|suffix| suffix == "mpm"));
-    let texts = scripts.chain(fixtures("good")).map(|path| std::fs::read_to_string(path).unwrap());
+    let scripts = inputs().into_iter().chain(fixtures("good"));
+    let texts = scripts.map(|path| std::fs::read_to_string(path).unwrap());
     // Smaller and fewer digits: a mutant with a millionth of the cell size only takes longer.
     texts.filter(|text| text.len() < 3000).collect()
 }

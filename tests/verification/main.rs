@@ -6,6 +6,7 @@
 mod bar;
 mod combinations;
 mod convergence;
+mod dam;
 mod fixes;
 mod invariants;
 mod locking;

@@ -57,11 +57,18 @@ impl Script {
         self.replace(&old[0], &format!("\n{statement}\n"))
     }
 
-    /// Plays the script; `variables` win over its assignments, as with `-var`.
+    /// Plays the script without its dumps and plots; `variables` win over its assignments, as with
+    /// `-var`.
     pub fn play(&self, variables: &[(&str, f64)]) -> Played {
+        let files = ["dump(", "plot(", "save_plot("];
+        let lines = self.text.lines().map(|line| match files.iter().any(|f| line.starts_with(f)) {
+            true => "",
+            false => line,
+        });
+        let text = lines.collect::<Vec<&str>>().join("\n");
         let variables: Vec<(String, String)> =
             variables.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
-        let source = Source::new(self.name.clone(), &self.text);
+        let source = Source::new(self.name.clone(), &text);
         let (script, found) = rehearse(source, &variables);
         let mistakes: Vec<Diagnostic> =
             found.into_iter().filter(|remark| remark.severity == Severity::Error).collect();
