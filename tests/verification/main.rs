@@ -12,6 +12,7 @@ mod invariants;
 mod locking;
 mod manufactured;
 mod mirror;
+mod penetration;
 mod scene;
 mod script;
 mod shock;
