@@ -15,7 +15,7 @@
 //!
 //! # Layers
 //!
-//! Each imports only to its left: math, fault -> script -> style -> model, region, shape ->
+//! Each imports only to its left: math, fault, geometry -> script -> style -> model, region, shape ->
 //! material -> world -> plan, step -> kernel -> fix, compute -> measure -> scheme -> output ->
 //! simulation -> command, cli. `tests/layers.rs` fails on an arrow that runs back.
 //!
@@ -39,6 +39,7 @@ pub mod eos;
 pub mod error;
 pub mod fault;
 pub mod fix;
+pub mod geometry;
 pub mod interrupt;
 pub mod kernel;
 pub mod material;
