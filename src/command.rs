@@ -6,6 +6,7 @@
 
 mod compatibility;
 mod domain;
+mod files;
 mod hook;
 mod law;
 mod matter;
@@ -15,6 +16,7 @@ pub mod play;
 mod run;
 pub mod scene;
 pub mod session;
+mod solid;
 
 use crate::script::arguments::Args;
 use crate::script::diagnostic::Diagnostic;
@@ -92,9 +94,9 @@ pub const COMMANDS: &[Style<Read>] = &[
     row("material", "ID, style, ...", "a material law", law::material),
     row(
         "solid",
-        "ID, region, regionID, ppc, matID, h [, T0]",
-        "a body: particles in a region",
-        matter::solid,
+        "ID, region, regionID, ppc, matID, h [, T0] | ID, mesh|file, name, matID, h [, T0]",
+        "a body: particles in a region, of the elements of a mesh, or as a file lists them",
+        solid::solid,
     ),
     row(
         "group",

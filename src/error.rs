@@ -238,6 +238,13 @@ const EXPLANATIONS: &[(Code, &str)] = &[
          right: dimension(3, 0, 10, 0, 10, 0, 10, 0.1)",
     ),
     (
+        Code::BadFile,
+        "The file of a region or solid does not follow its format, or its surface has a gap. The\n\
+         message names the line of the file where there are lines.\n\
+         wrong: a mesh whose element has no area\n\
+         right: a mesh that Gmsh wrote and checked",
+    ),
+    (
         Code::FileSystem,
         "A file or directory does not exist or cannot be written. Directories are not created.\n\
          wrong: dump(d, all, particle, 10, missing/d.*.LAMMPS, x)\n\
@@ -299,6 +306,13 @@ const EXPLANATIONS: &[(Code, &str)] = &[
         "The line is legal but changes nothing in this scene.\n\
          wrong: stress_rate(jaumann) with a total Lagrangian method\n\
          right: leave the line away",
+    ),
+    (
+        Code::OddFile,
+        "The file of a solid can be used, but holds something that is mostly a mistake: elements\n\
+         that stand there twice, are turned over against the others, folded or curved.\n\
+         wrong: a mesh saved with its physical groups twice\n\
+         right: every element once, all with the same orientation",
     ),
     (
         Code::CommandLine,

@@ -4,6 +4,7 @@ pub mod block;
 pub mod cylinder;
 pub mod logical;
 pub mod sphere;
+pub mod stl;
 
 use crate::script::arguments::{Args, Name};
 use crate::script::diagnostic::Diagnostic;
@@ -53,12 +54,17 @@ pub trait Region: Send + Sync {
 /// Finds an earlier region by its ID.
 pub type FindRegion<'a> = dyn Fn(&Name) -> Result<Arc<dyn Region>, Diagnostic> + 'a;
 
+/// Reads a file that a script names.
+pub type ReadFile<'a> = dyn Fn(&Name) -> Result<Vec<u8>, Diagnostic> + 'a;
+
 /// What a region's arguments may refer to.
 pub struct RegionContext<'a> {
     /// 1, 2 or 3.
     pub dimension: usize,
     /// Finds an earlier region.
     pub find: &'a FindRegion<'a>,
+    /// Reads a file.
+    pub read: &'a ReadFile<'a>,
 }
 
 /// Builds a region from its arguments.
@@ -72,13 +78,7 @@ pub const REGIONS: &[Style<BuildRegion>] = &[
     logical::UNION,
     logical::INTERSECTION,
     logical::DIFFERENCE,
-    Style {
-        name: "stl",
-        usage: "file",
-        summary: "inside of a closed surface, 3-D",
-        manual: "ASCII or binary file.",
-        build: None,
-    },
+    stl::STYLE,
 ];
 
 /// The points outside a region.

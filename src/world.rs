@@ -9,7 +9,7 @@ use crate::model::grid::Grid;
 use crate::model::group::Groups;
 use crate::model::lattice::Lattice;
 use crate::model::particles::Particles;
-use crate::region::Region;
+use crate::region::Bounds;
 use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
@@ -23,8 +23,8 @@ pub struct Solid {
     pub material: String,
     /// Its law.
     pub law: Arc<dyn Law>,
-    /// Particles per cell and axis.
-    pub particles_per_cell: usize,
+    /// Particles per cell and axis; of a body from a mesh or list, in the mean.
+    pub particles_per_cell: f64,
     /// The cells its particles were put in: those of the box, in total Lagrangian methods its own.
     pub cells: Domain,
     /// Columns that its law and kinematics read and write.
@@ -60,9 +60,8 @@ impl World {
     }
 
     /// The cells that the particles of a solid are put in: those of the box, in total Lagrangian
-    /// methods those of size `cell` from the lower corner of the region.
-    pub fn cells_of(&self, region: &dyn Region, cell: f64) -> Domain {
-        let bounds = region.bounds();
+    /// methods those of size `cell` from the lower corner of the body.
+    pub fn cells_between(&self, bounds: &Bounds, cell: f64) -> Domain {
         match self.method.total {
             true => self.domain.of_limits(bounds.lower, bounds.upper, cell),
             false => self.domain,

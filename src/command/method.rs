@@ -115,10 +115,8 @@ pub fn blend(
 fn option(args: &mut Args<'_>, transfer: &mut Transfer) -> Result<(), Diagnostic> {
     let known = ["mechanical", "gradient-enhanced", "thermo-mechanical"];
     let cpdi = ["R4", "Q4", "T3", "R8", "H8", "Tet4"];
-    if !transfer.kind.takes_blend()
-        && args.peek().is_some_and(|word| !known.contains(&word) && !cpdi.contains(&word))
-        && args.peek().is_some_and(|word| word.parse::<f64>().is_ok())
-    {
+    let number = args.peek().is_some_and(|word| word.parse::<f64>().is_ok());
+    if number && !transfer.kind.takes_blend() {
         let message = "this sub-method has no blend alpha";
         return Err(Diagnostic::error(Code::Unread, args.next_span(), message)
             .label("an argument too many"));
@@ -214,9 +212,7 @@ pub fn scheme(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnost
 
 /// `anti_locking(none|fbar)`
 pub fn anti_locking(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
-    scene.before_runs(args.command)?;
-    let averaged = args.choice("remedy for locking", &["none", "fbar"])? == 1;
-    Ok(action(move |session| session.simulation.world.method.averaged_dilation = averaged))
+    averaged_dilation(args, scene, "remedy for locking", ["none", "fbar"])
 }
 
 /// `anti_volumetric_locking(true|false)`, another word for `anti_locking`.
@@ -224,7 +220,17 @@ pub fn anti_volumetric_locking(
     args: &mut Args<'_>,
     scene: &mut Scene,
 ) -> Result<Action, Diagnostic> {
+    averaged_dilation(args, scene, "truth value", ["false", "true"])
+}
+
+/// Reads the word for off or on.
+fn averaged_dilation(
+    args: &mut Args<'_>,
+    scene: &Scene,
+    what: &str,
+    words: [&str; 2],
+) -> Result<Action, Diagnostic> {
     scene.before_runs(args.command)?;
-    let averaged = args.choice("truth value", &["false", "true"])? == 1;
+    let averaged = args.choice(what, &words)? == 1;
     Ok(action(move |session| session.simulation.world.method.averaged_dilation = averaged))
 }

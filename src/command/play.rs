@@ -2,7 +2,7 @@
 
 use super::scene::Scene;
 use super::session::{Session, Stop};
-use super::{Action, COMMANDS};
+use super::{Action, COMMANDS, files};
 use crate::script::arguments::{Args, Name};
 use crate::script::diagnostic::{Code, Diagnostic, Severity};
 use crate::script::scope::{Measure, Scope};
@@ -31,7 +31,7 @@ pub fn rehearse(source: Source, variables: &[(String, String)]) -> (Script, Vec<
             return (script, found);
         }
     };
-    let mut scene = Scene::default();
+    let mut scene = Scene { folder: files::folder(&script.source), ..Scene::default() };
     let mut broken: Vec<String> = Vec::new();
     for statement in &script.statements {
         let result = match statement {
@@ -102,7 +102,7 @@ fn read(mut args: Args<'_>, scene: &mut Scene) -> Result<(Action, Vec<Diagnostic
 /// is reached.
 pub fn perform(script: &Script, session: &mut Session) -> Result<(), Stop> {
     let mut scope = Scope::new(&script.variables).map_err(|mistake| Stop::Script(vec![mistake]))?;
-    let mut scene = Scene::default();
+    let mut scene = Scene { folder: files::folder(&script.source), ..Scene::default() };
     for statement in &script.statements {
         match statement {
             Statement::Assign { name, value } => {

@@ -12,8 +12,10 @@ use crate::scheme::SchemeKind;
 use crate::script::arguments::{Args, Name};
 use crate::script::diagnostic::{Code, Diagnostic};
 use crate::script::suggest;
+use crate::simulation::fill::Filling;
 use crate::strength::Strength;
 use crate::temperature::Temperature;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Objects of one kind, by ID: each kind has its own name space.
@@ -105,10 +107,8 @@ impl<T> Names<T> {
 
 /// A solid as declared.
 pub struct SolidEntry {
-    /// Its region.
-    pub region: Arc<dyn Region>,
-    /// Particles per cell and axis.
-    pub particles_per_cell: usize,
+    /// What its particles come from.
+    pub filling: Filling,
     /// The cells its particles were put in.
     pub cells: Domain,
 }
@@ -130,6 +130,8 @@ pub struct Declared {
 
 /// All declarations so far.
 pub struct Scene {
+    /// Where the script lies.
+    pub folder: PathBuf,
     /// What `method` chose, or the default from the first solid on.
     pub method: Option<Choice>,
     /// What `scheme` chose.
@@ -173,6 +175,7 @@ impl Default for Scene {
         let mut groups = Names::new("group");
         groups.set("all", GroupEntry { id: GroupId::ALL, kind: GroupKind::All });
         Self {
+            folder: PathBuf::new(),
             method: None,
             scheme: SchemeKind::Musl,
             domain: None,

@@ -242,7 +242,7 @@ fn values(field: Field, world: &World) -> Values<'_> {
             let f = world.deformation(p);
             let stretch = rotation(&f).transpose() * f;
             let solid = &world.solids[particles.solid[p] as usize];
-            0.5 * solid.cells.cell / solid.particles_per_cell as f64 * stretch[(axis, axis)]
+            0.5 * solid.cells.cell / solid.particles_per_cell * stretch[(axis, axis)]
         }),
     }
 }

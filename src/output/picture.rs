@@ -117,8 +117,7 @@ fn draw(snapshot: &Snapshot<'_>, width: u32, height: u32) -> Canvas {
             frame.pixel(x, y)
         };
         let centres = (0..world.particles.len()).filter(of_solid).map(place).collect();
-        let spacing =
-            world.solids[solid].cells.cell / world.solids[solid].particles_per_cell as f64;
+        let spacing = world.solids[solid].cells.cell / world.solids[solid].particles_per_cell;
         let radius = (0.4 * spacing * frame.scale).clamp(0.5, 20.0) as f32;
         canvas.marks.push(Mark::Dots { centres, radius, colour: Colour::of(solid) });
     }

@@ -67,6 +67,7 @@ codes! {
     Missing "E0304" "A run lacks something it needs.",
     NothingLeft "E0305" "A command leaves or makes no particles.",
     TooLarge "E0306" "The scene needs more memory than there is.",
+    BadFile "E0307" "A file of a region or solid is malformed.",
     FileSystem "E0401" "A file or directory cannot be used.",
     RunFailed "E0402" "The run stopped itself.",
     Compatibility "W0101" "An old form is accepted; the modern one is shown.",
@@ -77,6 +78,7 @@ codes! {
     SurplusComponent "W0204" "A component beyond the dimension is ignored.",
     UnstableStep "W0205" "The time step is above the stable one.",
     NoEffect "W0206" "A command or value has no effect.",
+    OddFile "W0207" "A file of a solid holds something unusual.",
     CommandLine "N0101" "A variable of the command line wins.",
     OldReference "N0102" "The current position is read where the reference position may be meant.",
 }
@@ -127,6 +129,13 @@ impl Diagnostic {
     /// Something good to know.
     pub fn note(code: Code, span: Span, message: impl Into<String>) -> Self {
         Self::new(Severity::Note, code, span, message.into())
+    }
+
+    /// A mistake in a file that the script names: `ring.msh:12: ...`, shown at its name.
+    pub fn in_file(file: &str, line: Option<usize>, span: Span, what: &str) -> Self {
+        let line = line.map_or(String::new(), |line| format!(":{line}"));
+        Self::error(Code::BadFile, span, format!("{file}{line}: {what}"))
+            .label("this file cannot be used")
     }
 
     /// The same with a few words under the culprit.

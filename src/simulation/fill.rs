@@ -1,8 +1,61 @@
 //! Where the particles of a solid go (language.md 6.3).
 
+use crate::geometry::Points;
 use crate::model::domain::Domain;
 use crate::region::{Bounds, Region};
 use std::ops::{ControlFlow, RangeInclusive};
+use std::sync::Arc;
+
+/// What the particles of a solid come from.
+#[derive(Clone)]
+pub enum Filling {
+    /// The cells, so many particles in each per axis, as far as the region reaches.
+    Region {
+        /// The region.
+        region: Arc<dyn Region>,
+        /// Particles per cell and axis.
+        particles_per_cell: usize,
+    },
+    /// A list.
+    Points(Arc<Points>),
+}
+
+impl Filling {
+    /// A box around the body, on the axes of the problem.
+    pub fn bounds(&self) -> Bounds {
+        match self {
+            Filling::Region { region, .. } => region.bounds(),
+            Filling::Points(points) => Bounds { lower: points.lower, upper: points.upper },
+        }
+    }
+
+    /// Visits place and volume of the particles inside the domain, in the order of their ids,
+    /// until told to stop.
+    pub fn visit<T>(
+        &self,
+        domain: &Domain,
+        mut each: impl FnMut([f64; 3], f64) -> ControlFlow<T>,
+    ) -> ControlFlow<T> {
+        match self {
+            Filling::Region { region, particles_per_cell } => {
+                let volume = volume(domain, *particles_per_cell);
+                visit(domain, region.as_ref(), *particles_per_cell, |place| each(place, volume))
+            }
+            Filling::Points(points) => {
+                let inside = points.list.iter().filter(|point| domain.contains(point.place));
+                for point in inside {
+                    each(point.place, point.volume)?;
+                }
+                ControlFlow::Continue(())
+            }
+        }
+    }
+}
+
+/// Volume of each particle of a region \[L^d\]: (h/ppc)^d.
+pub fn volume(domain: &Domain, particles_per_cell: usize) -> f64 {
+    (domain.cell / particles_per_cell as f64).powi(domain.dimension as i32)
+}
 
 /// Offsets of the particles of a cell on one axis, in cell sizes (language.md 6.3).
 pub fn offsets(particles_per_cell: usize) -> Vec<f64> {

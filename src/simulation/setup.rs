@@ -1,7 +1,7 @@
 //! Building the scene: particles of solids, groups.
 
 use super::Simulation;
-use super::fill::{self, touched};
+use super::fill::{self, Filling, touched};
 use crate::material::{Law, StressRate};
 use crate::measure::Captured;
 use crate::method::Method;
@@ -120,21 +120,59 @@ impl Simulation {
         particles_per_cell: usize,
         cell: f64,
     ) -> usize {
-        let domain = self.world.cells_of(region, cell);
+        let domain = self.world.cells_between(&region.bounds(), cell);
+        let volume = fill::volume(&domain, particles_per_cell);
+        self.add_body(name, material, law, domain, particles_per_cell as f64, |push| {
+            let _: ControlFlow<()> = fill::visit(&domain, region, particles_per_cell, |place| {
+                push(place, volume);
+                ControlFlow::Continue(())
+            });
+        })
+    }
+
+    /// Adds a solid from what its particles come from, on cells of size `cell`; gives their number.
+    pub fn add_filled_solid(
+        &mut self,
+        name: &str,
+        material: &str,
+        law: Arc<dyn Law>,
+        filling: &Filling,
+        cell: f64,
+    ) -> usize {
+        let domain = self.world.cells_between(&filling.bounds(), cell);
+        let particles_per_cell = match filling {
+            Filling::Region { particles_per_cell, .. } => *particles_per_cell as f64,
+            Filling::Points(points) => cell / points.spacing(domain.dimension),
+        };
+        self.add_body(name, material, law, domain, particles_per_cell, |push| {
+            let _: ControlFlow<()> = filling.visit(&domain, |place, volume| {
+                push(place, volume);
+                ControlFlow::Continue(())
+            });
+        })
+    }
+
+    /// Adds a solid whose particles `each` lists by place and volume.
+    fn add_body(
+        &mut self,
+        name: &str,
+        material: &str,
+        law: Arc<dyn Law>,
+        domain: Domain,
+        particles_per_cell: f64,
+        each: impl FnOnce(&mut dyn FnMut([f64; 3], f64)),
+    ) -> usize {
         let columns = self.world.description().columns(&*law, domain.dimension);
-        let dimension = domain.dimension as i32;
-        let volume = (domain.cell / particles_per_cell as f64).powi(dimension);
-        let mass = law.density() * volume;
         let particles = &mut self.world.particles;
         particles.require(columns);
         let before = particles.len();
         let temperature = law.initial_temperature();
+        let density = law.density();
         let solid = self.world.solids.len() as u16;
         let mut id = particles.id.iter().copied().max().unwrap_or(0);
-        let _: ControlFlow<()> = fill::visit(&domain, region, particles_per_cell, |place| {
+        each(&mut |place, volume| {
             id += 1;
-            particles.push(id, solid, place, mass, volume);
-            ControlFlow::Continue(())
+            particles.push(id, solid, place, density * volume, volume);
         });
         self.world.solids.push(Solid {
             name: name.to_string(),
