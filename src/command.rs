@@ -12,6 +12,7 @@ mod law;
 mod matter;
 mod method;
 mod output;
+mod particles;
 pub mod play;
 mod run;
 pub mod scene;
@@ -83,7 +84,7 @@ pub const COMMANDS: &[Style<Read>] = &[
     row(
         "boundary",
         "error|delete|bounce",
-        "what happens to particles that leave the box",
+        "particles that leave the box stop the run, are removed, or are reflected",
         domain::boundary,
     ),
     row("region", "ID, style, ...", "a set of points", matter::region),
@@ -114,7 +115,19 @@ pub const COMMANDS: &[Style<Read>] = &[
         "delete_particles",
         "solid|all, region, ID",
         "removes the particles whose reference place is inside",
-        matter::delete_particles,
+        particles::delete_particles,
+    ),
+    row(
+        "translate_particles",
+        "solid|all, region, ID, dx, dy, dz",
+        "moves the particles that are inside now [L]",
+        particles::translate_particles,
+    ),
+    row(
+        "populate_cylindrical_coordinates",
+        "solid, region, [axis,] c1, c2, R, [lo, hi, Nx,] Nr, Ntheta, T0",
+        "replaces the particles of a solid by rings around an axis",
+        particles::populate,
     ),
     row("fix", "ID, style, group, ...", "something that acts in every step", hook::fix),
     row("delete_fix", "ID", "removes a fix", hook::delete_fix),
@@ -140,8 +153,6 @@ pub const COMMANDS: &[Style<Read>] = &[
         "old form: changes the transfer",
         compatibility::method_modify,
     ),
-    reserved("translate_particles", "solid|all, region, ID, dx, dy, dz", "moves particles"),
-    reserved("populate_cylindrical_coordinates", "solid, region, ...", "rings of particles"),
     reserved("contact", "ID, stick|slip|frictional, s1, s2 [, mu]", "multi-field contact"),
     reserved("delete_contact", "ID", "removes a contact"),
     reserved("restart", "N, file", "a restart file every N steps"),

@@ -51,6 +51,11 @@ pub trait Fix: Send {
         Ok(())
     }
 
+    /// Particles it cannot act on, in words: for a warning where it is defined.
+    fn passes_over(&self, _world: &World) -> Option<String> {
+        None
+    }
+
     /// The results `ID_x`, `ID_y`, `ID_z`, `ID_s`.
     fn results(&self, _world: &World) -> [f64; 4] {
         [0.0; 4]

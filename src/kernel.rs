@@ -24,6 +24,7 @@ pub mod shared;
 pub mod sort;
 pub mod stencil;
 pub mod tiles;
+pub mod walls;
 
 /// Runs a generic kernel for the dimension and shape function of the scene:
 /// `by_kind!(d, shape, kernel, args...)` calls `kernel::<2, 4, Cubic>(args...)` and so on.

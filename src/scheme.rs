@@ -11,10 +11,11 @@ use crate::kernel::gather::{self, Gather};
 use crate::kernel::points::{self, Points};
 use crate::kernel::sort::Sorter;
 use crate::kernel::tiles::{Report, Tiles};
-use crate::kernel::{dilation, filter, grid, scatter};
+use crate::kernel::{dilation, filter, grid, scatter, walls};
 use crate::measure::{self, Captured};
 use crate::model::clock::Clock;
 use crate::model::column::Column;
+use crate::model::domain::Boundary;
 use crate::plan::Plan;
 use crate::script::formula::{Board, Quantity, Slot};
 use crate::step::{Stage, Step};
@@ -59,6 +60,12 @@ pub struct Loops {
     pub limits: Vec<Report>,
     /// Particle-steps of this run beyond what an equation of state can describe.
     pub clipped: u64,
+    /// Particles of this run that left the box and were removed.
+    pub removed: u64,
+    /// Times in this run that a particle was reflected by the box.
+    pub bounced: u64,
+    /// Memory to choose particles with.
+    keep: Vec<bool>,
     /// Number of sorts so far.
     pub sorts: u64,
     /// Time spent by phase.
@@ -219,11 +226,34 @@ impl Parts<'_> {
         }
         if !self.world.method.total {
             self.loops.travelled += report.farthest / self.world.domain.cell;
-            if self.loops.travelled > MOVEMENT {
+            let removed = self.mind_walls()?;
+            if removed || self.loops.travelled > MOVEMENT {
                 self.sort();
             }
         }
         Ok(())
+    }
+
+    /// Removes or reflects particles about to leave the box, if asked to; tells whether any was
+    /// removed. A reflected particle moves no farther than it would have.
+    ///
+    /// # Errors
+    /// No particle is left.
+    fn mind_walls(&mut self) -> Result<bool, Fault> {
+        let boundary = self.world.boundary;
+        if boundary == Boundary::Error || !walls::any_outside(self.world, self.loops.tiles.parallel)
+        {
+            return Ok(false);
+        }
+        if boundary == Boundary::Bounce {
+            self.loops.bounced += walls::bounce(self.world);
+            return Ok(false);
+        }
+        self.loops.removed += walls::remove(self.world, &mut self.loops.keep);
+        match self.world.particles.is_empty() {
+            true => Err(watch::all_gone(&self.clock)),
+            false => Ok(true),
+        }
     }
 
     /// Sorts the particles by the places they are about to have.

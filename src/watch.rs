@@ -46,5 +46,11 @@ pub fn inverted(world: &World, particle: usize, clock: &Clock) -> Fault {
 /// A particle is outside the box.
 pub fn escaped(world: &World, particle: usize, clock: &Clock) -> Fault {
     let what = format!("a particle left the box: {}; {}", describe(world, particle), when(clock));
-    Fault::run(what).because("make the box of `dimension` larger, or hold the body with fixes")
+    Fault::run(what).because("make the box of `dimension` larger, hold the body with fixes, or choose `boundary(delete)` or `boundary(bounce)`")
+}
+
+/// The last particle has left the box.
+pub fn all_gone(clock: &Clock) -> Fault {
+    Fault::run(format!("every particle has left the box and was removed; {}", when(clock)))
+        .because("make the box of `dimension` larger, or end the run earlier")
 }

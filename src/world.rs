@@ -4,7 +4,7 @@ use crate::material::{Description, LANES, Law, State, StressRate};
 use crate::math::tensor::Tensor;
 use crate::method::Method;
 use crate::model::column::ColumnSet;
-use crate::model::domain::Domain;
+use crate::model::domain::{Boundary, Domain};
 use crate::model::grid::Grid;
 use crate::model::group::Groups;
 use crate::model::lattice::Lattice;
@@ -47,6 +47,8 @@ pub struct World {
     pub method: Method,
     /// The objective rate of hypoelastic laws.
     pub rate: StressRate,
+    /// What happens to particles that leave the box.
+    pub boundary: Boundary,
 }
 
 thread_local! {

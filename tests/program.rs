@@ -263,3 +263,57 @@ run(10)
         None => println!("not tested: Python's ovito and lammps-logfile are not installed"),
     }
 }
+
+#[test]
+fn removed_particles_are_counted_in_the_log_and_told_by_check() {
+    let rest = "boundary(delete)\nfix(up, initial_velocity_particles, all, 0, 6)\n\
+        region(half, block, INF, 0.5, INF, INF)\ngroup(g, particles, region, half)\n\
+        fix(down, initial_velocity_particles, g, 0, 0)\nset_dt(0.002)\nrun(60)\nrun(1)\n";
+    let place = Place::new(rest);
+    let check = place.run(&["check", "in.mpm"]);
+    assert!(stdout(&check).contains("delete: particles that leave the box are removed"));
+    let output = place.run(&["in.mpm"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let log = place.read("log.mpm");
+    let counted = log.lines().find(|line| line.contains("left the box and were removed"));
+    let removed: usize = counted.unwrap().split_whitespace().nth(1).unwrap().parse().unwrap();
+    let left: Vec<usize> = log
+        .lines()
+        .filter(|line| line.starts_with("Loop time"))
+        .map(|line| line.split_whitespace().rev().nth(1).unwrap().parse().unwrap())
+        .collect();
+    // A disk of radius 2 h holds 52 particles, four to a cell.
+    assert!(removed > 10 && left == [52 - removed; 2], "{removed} {left:?}");
+    assert_eq!(log.matches("were removed").count(), 1, "the second run has lost none");
+}
+
+#[test]
+fn initial_stress_warns_where_it_does_nothing() {
+    let rest = "material(gum, neo-hookean, 1000, 1e4, 0.3)\nregion(other, sphere, 0.2, 0.2, 0.1)\n\
+        solid(gummy, region, other, 2, gum, h)\ngroup(right, particles, region, other)\n\
+        fix(s, initial_stress, GROUP, 1, 0, 0, 0, 0, 0)\nrun(1)\n";
+    for (group, count) in [("all", 1), ("right", 1), ("left", 0)] {
+        let place = Place::new(&rest.replace("GROUP", group));
+        let found = stderr(&place.run(&["in.mpm"]));
+        assert_eq!(found.matches("warning[W0206]").count(), count, "{group}: {found}");
+        assert_eq!(found.matches("in solid `gummy`").count(), count, "{group}: {found}");
+    }
+}
+
+#[test]
+fn files_are_found_in_the_working_directory_or_beside_the_script() {
+    let place = Place::new("solid(more, file, dots.txt, rubber, h)\nrun(1)\n");
+    let missing = place.run(&["in.mpm"]);
+    assert_eq!(missing.status.code(), Some(3));
+    assert!(stderr(&missing).contains("error[E0401]: cannot read `dots.txt`"));
+    std::fs::write(place.0.path().join("dot.txt"), "0.1 0.1 0.001\n").unwrap();
+    assert!(stderr(&place.run(&["in.mpm"])).contains("did you mean `dot.txt`?"));
+    std::fs::write(place.0.path().join("dots.txt"), "0.1 0.1 0.001\n").unwrap();
+    assert_eq!(place.run(&["in.mpm"]).status.code(), Some(0));
+    let elsewhere = tempfile::tempdir().unwrap();
+    let script = place.0.path().join("in.mpm");
+    let output =
+        place.command().current_dir(elsewhere.path()).arg("check").arg(script).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stdout(&output).contains("53 in 2 solids"), "{}", stdout(&output));
+}

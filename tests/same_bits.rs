@@ -49,9 +49,13 @@ const METHODS: [&str; 6] = [
 
 /// Runs the script; gives the bytes of all dumps and the rows of the log.
 fn outputs(method: &str, threads: &str, runs: &str) -> BTreeMap<String, Vec<u8>> {
+    outputs_of(&SCRIPT.replace(METHODS[0], method), threads, runs)
+}
+
+/// The same for a script of another kind.
+fn outputs_of(text: &str, threads: &str, runs: &str) -> BTreeMap<String, Vec<u8>> {
     let directory = tempfile::tempdir().unwrap();
     let script = directory.path().join("in.mpm");
-    let text = SCRIPT.replace(METHODS[0], method);
     std::fs::write(&script, format!("{text}{runs}")).unwrap();
     let status = Command::new(cargo_bin!("karamelo-rs"))
         .args(["in.mpm", "--quiet", "--threads", threads])
@@ -105,4 +109,25 @@ fn a_force_in_the_twelfth_digit_is_seen() {
     let one = outputs(METHODS[0], "1", "run(20)");
     let moved = outputs(METHODS[0], "1", "fix(nudge, body_force, all, 1e-12, 0, 0)\nrun(20)");
     assert!(one["p.20.dump"] != moved["p.20.dump"]);
+}
+
+#[test]
+fn threads_do_not_change_what_the_box_reflects_or_removes() {
+    for policy in ["bounce", "delete"] {
+        // Without the floor, and fast enough to leave through two walls.
+        let text = SCRIPT.replace("fix(stand, velocity_nodes, floor, 0, 0, 0)", "");
+        let text = text.replace(", stand_z", "").replace("0.3, 0.1*x, -4", "9, 0.1*x, -14");
+        let text = format!(
+            "{text}boundary({policy})\nfix(all_down, initial_velocity_particles, all, 6, 0, -9)\n"
+        );
+        let one = outputs_of(&text, "1", "run(60)");
+        for threads in ["2", "3"] {
+            assert!(one == outputs_of(&text, threads, "run(60)"), "{policy}, {threads} threads");
+        }
+        let particles = |step: u32| {
+            let name = format!("p.{step}.dump");
+            String::from_utf8_lossy(&one[&name]).lines().nth(5).map(str::to_string)
+        };
+        assert_eq!(particles(0) == particles(60), policy == "bounce", "{:?}", particles(60));
+    }
 }

@@ -3,7 +3,7 @@
 use super::scene::Scene;
 use super::{Action, action};
 use crate::material::StressRate;
-use crate::model::domain::Domain;
+use crate::model::domain::{Boundary, Domain};
 use crate::script::arguments::{Args, Name};
 use crate::script::diagnostic::{Code, Diagnostic};
 use crate::script::source::Span;
@@ -134,10 +134,18 @@ pub fn axisymmetric(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Di
     Ok(action(|_| ()))
 }
 
-/// `boundary(error)`
-pub fn boundary(args: &mut Args<'_>, _scene: &mut Scene) -> Result<Action, Diagnostic> {
-    available(args, "boundary policy", &["error", "delete", "bounce"], &["error"])?;
-    Ok(action(|_| ()))
+/// `boundary(error|delete|bounce)`
+pub fn boundary(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    let policies = [Boundary::Error, Boundary::Delete, Boundary::Bounce];
+    let boundary = policies[args.choice("boundary policy", &["error", "delete", "bounce"])?];
+    if boundary != Boundary::Error && scene.method.is_some_and(|choice| choice.method.total) {
+        let message = "`boundary` has no effect in total Lagrangian methods";
+        args.remarks.push(
+            Diagnostic::warning(Code::NoEffect, args.command.span, message)
+                .label("the box is for outputs only"),
+        );
+    }
+    Ok(action(move |session| session.simulation.world.boundary = boundary))
 }
 
 /// `stress_rate(r)`

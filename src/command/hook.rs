@@ -3,9 +3,9 @@
 use super::scene::Scene;
 use super::{Action, action};
 use crate::compute::COMPUTES;
-use crate::fix::{FIXES, Target};
-use crate::script::arguments::Args;
-use crate::script::diagnostic::Diagnostic;
+use crate::fix::{FIXES, Fix, Target};
+use crate::script::arguments::{Args, Name};
+use crate::script::diagnostic::{Code, Diagnostic};
 use crate::script::formula::Quantity;
 use crate::style;
 
@@ -37,7 +37,42 @@ pub fn fix(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic>
     args.expect_usage(row.usage);
     let target = target(args, scene, &id.text)?;
     let fix = build(args, &target)?;
-    Ok(action(move |session| session.simulation.add_fix(&id.text, fix)))
+    propose_reference(args, scene, &word, fix.as_ref());
+    Ok(action(move |session| {
+        if let Some(reason) = fix.passes_over(&session.simulation.world) {
+            let message = format!("`{}` has no effect there: {reason}", word.text);
+            session.warnings.push(
+                Diagnostic::warning(Code::NoEffect, word.span, message)
+                    .label("leaves these particles as they are"),
+            );
+        }
+        session.simulation.add_fix(&id.text, fix);
+    }))
+}
+
+/// Fixes whose formulas are mostly functions of the reference position, where it differs.
+const OF_REFERENCE: [&str; 5] = [
+    "body_force",
+    "initial_stress",
+    "initial_velocity_nodes",
+    "initial_velocity_particles",
+    "velocity_nodes",
+];
+
+/// Notes formulas of the current position where the reference position may be meant.
+fn propose_reference(args: &mut Args<'_>, scene: &Scene, style: &Name, fix: &dyn Fix) {
+    let total = scene.method.is_none_or(|choice| choice.method.total);
+    let meant =
+        style.text == "check_solution" || total && OF_REFERENCE.contains(&style.text.as_str());
+    let current = fix.formulas().iter().any(|formula| formula.reads_current());
+    if meant && current {
+        let message = "a formula reads the current position";
+        args.remarks.push(
+            Diagnostic::note(Code::OldReference, style.span, message)
+                .label("`x`, `y`, `z` move with the body")
+                .help("write `x0`, `y0`, `z0` where the reference position is meant"),
+        );
+    }
 }
 
 /// `delete_fix(ID)`

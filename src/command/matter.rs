@@ -1,7 +1,6 @@
-//! `region`, `group`, and commands that change the particles of solids.
+//! `region` and `group`.
 
 use super::scene::{GroupEntry, Scene};
-use super::session::Stop;
 use super::{Action, action, files};
 use crate::fix::GroupKind;
 use crate::model::group::GroupId;
@@ -25,27 +24,6 @@ pub fn region(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnost
     let region = build(args, &RegionContext { dimension, find: &find, read: &read })?;
     scene.regions.declare(&id, region)?;
     Ok(action(|_| ()))
-}
-
-/// `delete_particles(solid|all, region, ID)`
-pub fn delete_particles(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
-    let solid = match args.keyword("all") {
-        true => None,
-        false => {
-            let name = args.word("a solid ID or `all`")?;
-            Some(scene.solids.find(&name)?.0)
-        }
-    };
-    args.choice("way to choose particles", &["region"])?;
-    let name = args.word("a region ID")?;
-    let region = scene.regions.find(&name)?.1.clone();
-    let nothing_left =
-        Diagnostic::error(Code::NothingLeft, name.span, "no particle of the solid is left")
-            .label("holds all of them");
-    Ok(Box::new(move |session| match session.simulation.delete_particles(solid, region.as_ref()) {
-        true => Ok(()),
-        false => Err(Stop::Script(vec![nothing_left])),
-    }))
 }
 
 /// `group(ID, particles|nodes, region, regionID [, all | solid, s1, ...])`

@@ -275,7 +275,7 @@ fn check_size(domain: &Domain, body: &Body, args: &Args<'_>) -> Result<(), Diagn
 }
 
 /// Refuses more particles than memory can hold.
-fn check_memory(args: &Args<'_>, count: f64, span: Span) -> Result<(), Diagnostic> {
+pub fn check_memory(args: &Args<'_>, count: f64, span: Span) -> Result<(), Diagnostic> {
     let bytes = count * BYTES_EACH;
     if bytes <= memory::available() && count < f64::from(u32::MAX) {
         return Ok(());

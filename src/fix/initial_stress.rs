@@ -8,7 +8,7 @@ use crate::script::arguments::Place;
 use crate::script::formula::{Formula, Instant, Points};
 use crate::step::{Stage, Step};
 use crate::style::Style;
-use crate::world::World;
+use crate::world::{Solid, World};
 
 /// The row of the table.
 pub const STYLE: Style<BuildFix> = Style {
@@ -49,6 +49,17 @@ impl Fix for InitialStress {
 
     fn formulas(&self) -> Vec<&Formula> {
         self.components.iter().flatten().collect()
+    }
+
+    fn passes_over(&self, world: &World) -> Option<String> {
+        let World { particles, groups, solids, .. } = world;
+        let solid = |p: usize| &solids[particles.solid[p] as usize];
+        let mut members = particles.of_group(groups, self.group);
+        let deaf = members.find(|p| !solid(*p).law.accepts_initial_stress())?;
+        let Solid { name, material, .. } = solid(deaf);
+        Some(format!(
+            "in solid `{name}` the stress of material `{material}` follows from the deformation alone"
+        ))
     }
 
     fn start(&mut self, step: &mut Step<'_>) -> Result<(), Fault> {

@@ -13,6 +13,18 @@ pub struct Domain {
     pub cell: f64,
 }
 
+/// What happens to a particle whose centre leaves the box of updated Lagrangian methods.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Boundary {
+    /// The run stops.
+    #[default]
+    Error,
+    /// It is removed.
+    Delete,
+    /// It is reflected.
+    Bounce,
+}
+
 impl Domain {
     /// A box that holds nothing yet.
     pub fn nothing(dimension: usize) -> Self {
@@ -48,6 +60,27 @@ impl Domain {
             let length = self.upper[axis] - self.lower[axis];
             ((length / self.cell - 1e-6).ceil() as usize).max(1)
         })
+    }
+
+    /// Moves all of it.
+    pub fn shift(&mut self, by: [f64; 3]) {
+        for axis in 0..self.dimension {
+            self.lower[axis] += by[axis];
+            self.upper[axis] += by[axis];
+        }
+    }
+
+    /// Grows by whole cells until all places are inside.
+    pub fn cover(&mut self, places: impl Iterator<Item = [f64; 3]>) {
+        for place in places {
+            for axis in 0..self.dimension {
+                let below = ((self.lower[axis] - place[axis]) / self.cell).ceil();
+                if below > 0.0 {
+                    self.lower[axis] -= below * self.cell;
+                }
+                self.upper[axis] = self.upper[axis].max(place[axis]);
+            }
+        }
     }
 
     /// Is the point inside the box, borders included?

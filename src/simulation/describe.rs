@@ -5,7 +5,7 @@ use crate::fault::Fault;
 use crate::memory;
 use crate::method::METHODS;
 use crate::model::column::Column;
-use crate::model::domain::Domain;
+use crate::model::domain::{Boundary, Domain};
 use crate::model::grid::Node;
 use crate::model::group::Members;
 use crate::scheme::{SCHEMES, SchemeKind};
@@ -140,6 +140,16 @@ impl Simulation {
         Ok(text)
     }
 
+    /// What happens at the limits of the box.
+    fn boundary_in_words(&self) -> &'static str {
+        match (self.world.method.total, self.world.boundary) {
+            (true, _) => "off: the box is for outputs only",
+            (_, Boundary::Error) => "error: a particle that leaves the box stops the run",
+            (_, Boundary::Delete) => "delete: particles that leave the box are removed and counted",
+            (_, Boundary::Bounce) => "bounce: particles are reflected by the box",
+        }
+    }
+
     /// Effects of the scene: on or off, and why.
     fn effects(&self) -> Vec<(&'static str, String)> {
         let plan = self.make_plan();
@@ -199,6 +209,7 @@ impl Simulation {
                     "no material has a temperature law or depends on the temperature",
                 ),
             ),
+            ("boundary", self.boundary_in_words().to_string()),
             (
                 "contact",
                 match self.world.method.total {

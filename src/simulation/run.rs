@@ -68,6 +68,14 @@ impl Simulation {
                 self.loops.clipped
             ))?;
         }
+        for (count, what) in [
+            (self.loops.removed, "particles left the box and were removed"),
+            (self.loops.bounced, "times a particle was reflected by the box"),
+        ] {
+            if count > 0 {
+                self.outputs.warn(&format!("{count} {what}"))?;
+            }
+        }
         self.outputs.end_run(span.steps, self.world.particles.len(), &self.loops.timing)
     }
 
@@ -95,7 +103,7 @@ impl Simulation {
     /// Start of a run (language.md 7.2): columns, fixes that act once, nodes, first dt.
     fn prepare(&mut self) -> Result<Hooks, Fault> {
         self.loops.timing.restart();
-        self.loops.clipped = 0;
+        (self.loops.clipped, self.loops.removed, self.loops.bounced) = (0, 0, 0);
         self.ready()?;
         let hooks = self.hooks();
         self.next = self.first_step();
@@ -201,7 +209,7 @@ impl Simulation {
     }
 
     /// Brings results up to date.
-    fn refresh(&mut self, slots: &[Slot]) {
+    pub(super) fn refresh(&mut self, slots: &[Slot]) {
         for slot in slots {
             self.board.values[slot.0] = self.measure(&self.quantities[slot.0]);
         }

@@ -2,12 +2,15 @@
 
 use super::Simulation;
 use super::fill::{self, Filling, touched};
+use crate::fault::Fault;
+use crate::fix::components::{Components, of_particles};
+use crate::geometry::Points;
 use crate::material::{Law, StressRate};
 use crate::measure::Captured;
 use crate::method::Method;
 use crate::model::clock::Clock;
 use crate::model::column::{Column, ColumnSet};
-use crate::model::domain::Domain;
+use crate::model::domain::{Boundary, Domain};
 use crate::model::grid::Grid;
 use crate::model::group::{Group, GroupId, Groups, Members, NodePart};
 use crate::model::lattice::Lattice;
@@ -17,7 +20,7 @@ use crate::plan::Plan;
 use crate::region::Region;
 use crate::scheme::musl::Musl;
 use crate::scheme::{Loops, Scheme};
-use crate::script::formula::Board;
+use crate::script::formula::{Board, Instant, Slot};
 use crate::time_step::Floor;
 use crate::transfer::{Transfer, TransferKind};
 use crate::world::{Solid, World};
@@ -67,6 +70,7 @@ impl Simulation {
             groups: Groups::default(),
             method: Method::default(),
             rate: StressRate::default(),
+            boundary: Boundary::default(),
         };
         Self {
             world,
@@ -163,17 +167,8 @@ impl Simulation {
         each: impl FnOnce(&mut dyn FnMut([f64; 3], f64)),
     ) -> usize {
         let columns = self.world.description().columns(&*law, domain.dimension);
-        let particles = &mut self.world.particles;
-        particles.require(columns);
-        let before = particles.len();
+        self.world.particles.require(columns);
         let temperature = law.initial_temperature();
-        let density = law.density();
-        let solid = self.world.solids.len() as u16;
-        let mut id = particles.id.iter().copied().max().unwrap_or(0);
-        each(&mut |place, volume| {
-            id += 1;
-            particles.push(id, solid, place, density * volume, volume);
-        });
         self.world.solids.push(Solid {
             name: name.to_string(),
             material: material.to_string(),
@@ -182,8 +177,98 @@ impl Simulation {
             cells: domain,
             columns,
         });
-        self.heat_last_solid(temperature);
-        self.world.particles.len() - before
+        let number = self.world.solids.len() - 1;
+        let count = self.push_particles(number, each);
+        self.heat_solid(number, temperature);
+        count
+    }
+
+    /// Gives a solid the particles that `each` lists by place and volume; gives their number.
+    fn push_particles(
+        &mut self,
+        solid: usize,
+        each: impl FnOnce(&mut dyn FnMut([f64; 3], f64)),
+    ) -> usize {
+        let World { particles, solids, .. } = &mut self.world;
+        let density = solids[solid].law.density();
+        let before = particles.len();
+        let mut id = particles.id.iter().copied().max().unwrap_or(0);
+        each(&mut |place, volume| {
+            id += 1;
+            particles.push(id, solid as u16, place, density * volume, volume);
+        });
+        particles.len() - before
+    }
+
+    /// Replaces the particles of a solid before the first run.
+    pub fn replace_particles(&mut self, solid: usize, points: &Points) {
+        let keep: Vec<bool> =
+            self.world.particles.solid.iter().map(|other| *other as usize != solid).collect();
+        self.world.particles.retain(&keep);
+        self.push_particles(solid, |push| {
+            points.list.iter().for_each(|point| push(point.place, point.volume));
+        });
+        let dimension = self.world.domain.dimension;
+        let body = &mut self.world.solids[solid];
+        body.particles_per_cell = body.cells.cell / points.spacing(dimension);
+        if self.world.method.total {
+            self.world.solids[solid].cells.cover(points.list.iter().map(|point| point.place));
+        }
+    }
+
+    /// Moves places and reference places of the particles of a solid (`None`: of all) that are
+    /// inside the region now; tells whether all of them are still in the box.
+    ///
+    /// # Errors
+    /// A formula that is not finite.
+    pub fn translate_particles(
+        &mut self,
+        solid: Option<usize>,
+        region: &dyn Region,
+        by: &Components,
+    ) -> Result<bool, Fault> {
+        self.board.values.resize(self.quantities.len(), 0.0);
+        let slots: Vec<Slot> = by.formulas().iter().flat_map(|f| f.slots().to_vec()).collect();
+        self.refresh(&slots);
+        let World { particles, solids, domain, method, .. } = &mut self.world;
+        let inside = |p: &usize| {
+            let [x, y, z, _] = particles.position[*p];
+            solid.is_none_or(|solid| solid == particles.solid[*p] as usize)
+                && region.contains([x, y, z])
+        };
+        let members: Vec<usize> = (0..particles.len()).filter(inside).collect();
+        let place = of_particles(&particles.position, &particles.columns);
+        let now = Instant::start(&self.clock);
+        let mut moves = Vec::with_capacity(members.len());
+        by.each(&self.board, &now, members.into_iter(), place, |p, by| {
+            moves.push((p, by.map(Option::unwrap_or_default)));
+        })?;
+        // Of each solid the number of particles moved, and by how much if that is one for all.
+        let mut moved = vec![(0, None, true); solids.len()];
+        for (p, by) in moves {
+            let (count, first, alike) = &mut moved[particles.solid[p] as usize];
+            *count += 1;
+            *alike &= *first.get_or_insert(by) == by;
+            for (axis, column) in [Column::X0, Column::Y0, Column::Z0].into_iter().enumerate() {
+                particles.position[p][axis] += by[axis];
+                if let Some(reference) = particles.column_mut(column).get_mut(p) {
+                    *reference += by[axis];
+                }
+            }
+        }
+        particles.reference.clear();
+        let place = |p: usize| std::array::from_fn(|axis| particles.position[p][axis]);
+        if !method.total {
+            return Ok((0..particles.len()).all(|p| domain.contains(place(p))));
+        }
+        for (number, (solid, moved)) in solids.iter_mut().zip(moved).enumerate() {
+            let own = (0..particles.len()).filter(|p| particles.solid[*p] as usize == number);
+            match moved {
+                (count, Some(by), true) if count == own.clone().count() => solid.cells.shift(by),
+                _ => solid.cells.cover(own.map(place)),
+            }
+        }
+        Ok(true)
     }
 
     /// Removes the particles of a solid (`None`: of all) whose reference place is inside the region;
@@ -200,7 +285,11 @@ impl Simulation {
 
     /// Gives the solid added last its temperature \[K\].
     pub fn heat_last_solid(&mut self, temperature: f64) {
-        let number = self.world.solids.len().saturating_sub(1) as u16;
+        self.heat_solid(self.world.solids.len().saturating_sub(1), temperature);
+    }
+
+    /// Gives a solid its temperature \[K\].
+    pub fn heat_solid(&mut self, number: usize, temperature: f64) {
         let particles = &mut self.world.particles;
         let mut column = ColumnSet::default();
         column.insert(Column::Temperature);
@@ -209,7 +298,7 @@ impl Simulation {
         }
         let solids = std::mem::take(&mut particles.solid);
         for (value, solid) in particles.column_mut(Column::Temperature).iter_mut().zip(&solids) {
-            if *solid == number {
+            if *solid as usize == number {
                 *value = temperature;
             }
         }
