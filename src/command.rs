@@ -52,6 +52,10 @@ const fn reserved(name: &'static str, usage: &'static str, summary: &'static str
     Style { name, usage, summary, manual: "", build: None }
 }
 
+const fn explained(row: Style<Read>, manual: &'static str) -> Style<Read> {
+    Style { name: row.name, usage: row.usage, summary: row.summary, manual, build: row.build }
+}
+
 /// All commands.
 pub const COMMANDS: &[Style<Read>] = &[
     row(
@@ -81,11 +85,16 @@ pub const COMMANDS: &[Style<Read>] = &[
         "another word for anti_locking",
         method::anti_volumetric_locking,
     ),
-    row(
-        "boundary",
-        "error|delete|bounce",
-        "particles that leave the box stop the run, are removed, or are reflected",
-        domain::boundary,
+    explained(
+        row(
+            "boundary",
+            "error|delete|bounce",
+            "particles that leave the box stop the run, are removed, or are reflected",
+            domain::boundary,
+        ),
+        "For `ulmpm`. `error` (default): a particle whose centre leaves the box stops the run.
+`delete`: it is removed; the end of the log tells how many were. `bounce`: x <- 2 w - x and v <- -v
+on the axis of the wall w; meant for loose particles: hold a body with `velocity_nodes`.",
     ),
     row("region", "ID, style, ...", "a set of points", matter::region),
     row("eos", "ID, style, ...", "an equation of state", law::eos),
@@ -93,11 +102,19 @@ pub const COMMANDS: &[Style<Read>] = &[
     row("damage", "ID, style, ...", "a damage law", law::damage),
     row("temperature", "ID, style, ...", "a temperature law", law::temperature),
     row("material", "ID, style, ...", "a material law", law::material),
-    row(
-        "solid",
-        "ID, region, regionID, ppc, matID, h [, T0] | ID, mesh|file, name, matID, h [, T0]",
-        "a body: particles in a region, of the elements of a mesh, or as a file lists them",
-        solid::solid,
+    explained(
+        row(
+            "solid",
+            "ID, region, regionID, ppc, matID, h [, T0] | ID, mesh|file, name, matID, h [, T0]",
+            "a body: particles in a region, of the elements of a mesh, or as a file lists them",
+            solid::solid,
+        ),
+        "region: ppc particles per cell and axis, of volume (h/ppc)^d, inside region and box.
+mesh: Gmsh 2.2 or 4.1, ASCII; one particle per element of the problem's dimension, at its centroid
+and with its volume between straight edges; lower dimensions are skipped.
+file: lines `x [y [z]] volume`, `#` starts a comment.
+Files are looked for in the working directory, then beside the script. h [L] is the cell size, T0
+the temperature [K].",
     ),
     row(
         "group",
@@ -117,17 +134,27 @@ pub const COMMANDS: &[Style<Read>] = &[
         "removes the particles whose reference place is inside",
         particles::delete_particles,
     ),
-    row(
-        "translate_particles",
-        "solid|all, region, ID, dx, dy, dz",
-        "moves the particles that are inside now [L]",
-        particles::translate_particles,
+    explained(
+        row(
+            "translate_particles",
+            "solid|all, region, ID, dx, dy, dz",
+            "moves the particles that are inside now [L]",
+            particles::translate_particles,
+        ),
+        "Adds (dx, dy, dz), numbers or formulas of the place, to place and reference place. In
+total Lagrangian methods only before the first run; the grid of a body that moves as a whole goes
+with it.",
     ),
-    row(
-        "populate_cylindrical_coordinates",
-        "solid, region, [axis,] c1, c2, R, [lo, hi, Nx,] Nr, Ntheta, T0",
-        "replaces the particles of a solid by rings around an axis",
-        particles::populate,
+    explained(
+        row(
+            "populate_cylindrical_coordinates",
+            "solid, region, [axis,] c1, c2, R, [lo, hi, Nx,] Nr, Ntheta, T0",
+            "replaces the particles of a solid by rings around an axis",
+            particles::populate,
+        ),
+        "Particles at r = (i+1/2) R/Nr, theta = 2 PI k/Ntheta and, in 3-D, lo + (j+1/2)(hi-lo)/Nx,
+of volume r dr dtheta (dx), inside region and box; (c1, c2) as for the region style `cylinder`; T0
+[K].",
     ),
     row("fix", "ID, style, group, ...", "something that acts in every step", hook::fix),
     row("delete_fix", "ID", "removes a fix", hook::delete_fix),

@@ -44,6 +44,14 @@ pub fn method(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnost
         };
         return Err(Diagnostic::error(Code::Duplicate, args.command.span, message).label(label));
     }
+    if scene.domain.is_some() {
+        let message = "`method` stands below `dimension`";
+        args.remarks.push(
+            Diagnostic::warning(Code::Compatibility, args.command.span, message)
+                .label("accepted")
+                .help("today `method` comes first, then `dimension`"),
+        );
+    }
     scene.method = Some(Choice::default());
     let word = args.word("a method type")?;
     let (_, total) = style::find("method", METHODS, &word)?;

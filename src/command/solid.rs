@@ -12,6 +12,7 @@ use crate::script::arguments::{Args, Name};
 use crate::script::diagnostic::{Code, Diagnostic};
 use crate::script::source::Span;
 use crate::simulation::fill::Filling;
+use std::collections::HashSet;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -117,7 +118,13 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
 /// Reads the word that says what the solid is made from.
 fn form_of_solid(args: &mut Args<'_>, scene: &Scene, id: &Name, dimension: usize) -> Form {
     let word = args.peek().map(str::to_string);
-    let modern = |region: &str| format!("solid({}, region, {region}, ppc, matID, h)", id.text);
+    // The modern line with the region and all that follows from a place on.
+    let modern = |args: &Args<'_>, numbers: &[&str], from: usize| {
+        let region = args.peek().unwrap_or("regionID");
+        let rest = (from..).map_while(|ahead| args.peek_at(ahead));
+        let words: Vec<&str> = numbers.iter().copied().chain(rest).collect();
+        format!("solid({}, region, {region}, {})", id.text, words.join(", "))
+    };
     match word.as_deref() {
         Some("region") => {
             args.keyword("region");
@@ -132,23 +139,38 @@ fn form_of_solid(args: &mut Args<'_>, scene: &Scene, id: &Name, dimension: usize
         }
         Some(old @ ("rectangle" | "cylinder" | "block")) if args.remaining() > 4 => {
             args.keyword(old);
-            let region = args.peek().unwrap_or("regionID").to_string();
-            args.old_form(&modern(&region));
-            // After the region stands one number per cell and axis, or one per axis of the body.
-            let is_material = |place: usize| {
-                args.peek_at(place).is_some_and(|word| scene.materials.position(word).is_some())
-            };
-            if old == "block" && dimension > 1 && !is_material(2) && is_material(1 + dimension) {
+            if old == "block" && has_counts(args, scene, dimension) {
+                let line = modern(args, &["ppc"], 1 + dimension);
+                args.old_form(&line);
                 return Form::Counts;
             }
+            let line = modern(args, &[], 1);
+            args.old_form(&line);
         }
-        Some(region) if args.remaining() > 3 => {
-            let line = modern(region);
+        Some(_) if args.remaining() > 3 => {
+            let line = modern(args, &[], 1);
             args.old_form(&line);
         }
         _ => {}
     }
     Form::Region
+}
+
+/// Does one number per axis of the body follow the region, and not one per cell and axis? The
+/// place of the material tells.
+fn has_counts(args: &Args<'_>, scene: &Scene, dimension: usize) -> bool {
+    let is_material = |place: usize| {
+        args.peek_at(place).is_some_and(|word| scene.materials.position(word).is_some())
+    };
+    match (is_material(2), is_material(1 + dimension)) {
+        (true, _) => false,
+        (false, true) => dimension > 1,
+        // A misspelt material: a number stands where the other form has the material.
+        (false, false) => {
+            let number = |word: &str| word.starts_with(|first: char| first.is_ascii_digit());
+            dimension > 1 && args.peek_at(2).is_some_and(number)
+        }
+    }
 }
 
 /// Reads region or file, and the numbers of particles.
@@ -356,11 +378,22 @@ fn overlap(solid: &SolidEntry, other: &SolidEntry) -> bool {
     let (of, region) = match (&solid.filling, &other.filling) {
         (_, Filling::Region { region, .. }) => (solid, region),
         (Filling::Region { region, .. }, _) => (other, region),
-        _ => return false,
+        (Filling::Points(points), Filling::Points(others)) => {
+            return coincide(points, others, solid.cells.dimension);
+        }
     };
     let hit = of.filling.visit(&of.cells, |place, _| match region.contains(place) {
         true => ControlFlow::Break(()),
         false => ControlFlow::Continue(()),
     });
     hit.is_break()
+}
+
+/// Do two lists have particles in one quarter of a particle's edge? Neighbours across a common
+/// face of two bodies hardly ever do.
+fn coincide(points: &Points, others: &Points, dimension: usize) -> bool {
+    let edge = 0.25 * others.spacing(dimension);
+    let cell = |point: &Point| point.place.map(|x| (x / edge).floor().to_bits());
+    let taken: HashSet<[u64; 3]> = others.list.iter().map(cell).collect();
+    points.list.iter().any(|point| taken.contains(&cell(point)))
 }
