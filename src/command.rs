@@ -71,7 +71,13 @@ pub const COMMANDS: &[Style<Read>] = &[
         "number of dimensions, box and cell size [L]",
         domain::dimension,
     ),
-    row("axisymmetric", "true|false", "2-D with x as the radius", domain::axisymmetric),
+    Style {
+        name: "axisymmetric",
+        usage: "true|false",
+        summary: "2-D with x as the radius: everything per radian",
+        manual: domain::AXISYMMETRIC,
+        build: Some(domain::axisymmetric),
+    },
     row(
         "stress_rate",
         "none|jaumann|green_naghdi|logarithmic",

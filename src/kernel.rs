@@ -48,3 +48,31 @@ macro_rules! by_kind {
     }};
 }
 pub(crate) use by_kind;
+
+/// The same for kernels with loops of their own where x is a radius:
+/// `by_space!(axisymmetric, d, shape, kernel, args...)` calls `kernel::<2, 4, true, Cubic>(args...)`
+/// or `kernel::<2, 4, false, Cubic>(args...)`.
+macro_rules! by_space {
+    ($axisymmetric:expr, $dimension:expr, $shape:expr, $kernel:ident, $($argument:expr),+) => {{
+        use $crate::shape::{Bernstein, Cubic, Linear, Quadratic, ShapeKind};
+        match ($axisymmetric, $dimension, $shape) {
+            (true, _, ShapeKind::Linear) => $kernel::<2, 2, true, Linear>($($argument),+),
+            (true, _, ShapeKind::Quadratic) => $kernel::<2, 3, true, Quadratic>($($argument),+),
+            (true, _, ShapeKind::Cubic) => $kernel::<2, 4, true, Cubic>($($argument),+),
+            (true, _, ShapeKind::Bernstein) => $kernel::<2, 3, true, Bernstein>($($argument),+),
+            (_, 1, ShapeKind::Linear) => $kernel::<1, 2, false, Linear>($($argument),+),
+            (_, 2, ShapeKind::Linear) => $kernel::<2, 2, false, Linear>($($argument),+),
+            (_, _, ShapeKind::Linear) => $kernel::<3, 2, false, Linear>($($argument),+),
+            (_, 1, ShapeKind::Quadratic) => $kernel::<1, 3, false, Quadratic>($($argument),+),
+            (_, 2, ShapeKind::Quadratic) => $kernel::<2, 3, false, Quadratic>($($argument),+),
+            (_, _, ShapeKind::Quadratic) => $kernel::<3, 3, false, Quadratic>($($argument),+),
+            (_, 1, ShapeKind::Cubic) => $kernel::<1, 4, false, Cubic>($($argument),+),
+            (_, 2, ShapeKind::Cubic) => $kernel::<2, 4, false, Cubic>($($argument),+),
+            (_, _, ShapeKind::Cubic) => $kernel::<3, 4, false, Cubic>($($argument),+),
+            (_, 1, ShapeKind::Bernstein) => $kernel::<1, 3, false, Bernstein>($($argument),+),
+            (_, 2, ShapeKind::Bernstein) => $kernel::<2, 3, false, Bernstein>($($argument),+),
+            (_, _, ShapeKind::Bernstein) => $kernel::<3, 3, false, Bernstein>($($argument),+),
+        }
+    }};
+}
+pub(crate) use by_space;

@@ -13,6 +13,24 @@ pub struct Method {
     pub shape: ShapeKind,
     /// F-bar: the volumetric part of L is averaged over the grid.
     pub averaged_dilation: bool,
+    /// Two-dimensional bodies of revolution: x is the radius, y lies along the axis, and masses
+    /// and volumes are those of one radian.
+    pub axisymmetric: bool,
+}
+
+impl Method {
+    /// The region that bodies can fill: where x is a radius they begin at the axis.
+    pub fn lower_limits(&self, lower: [f64; 3]) -> [f64; 3] {
+        match self.axisymmetric {
+            true => [lower[0].max(0.0), lower[1], lower[2]],
+            false => lower,
+        }
+    }
+
+    /// The factor that a radius gives to areas in the plane: volumes are those of one radian.
+    pub fn girth(&self, place: [f64; 3]) -> f64 {
+        if self.axisymmetric { place[0] } else { 1.0 }
+    }
 }
 
 /// All methods; the value says whether it is total Lagrangian.

@@ -16,4 +16,6 @@ pub struct Plan {
     pub node_places: bool,
     /// The wave speed of each particle is needed (dt is adaptive).
     pub wave_speed: bool,
+    /// x is a radius.
+    pub axisymmetric: bool,
 }

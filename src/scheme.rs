@@ -190,11 +190,19 @@ impl Parts<'_> {
         self.world.grid.held.clear();
         self.loops.timing.end(Phase::Grid);
         self.act(Stage::PostUpdateGridState)?;
+        self.hold_axis();
         if let Some(terms) = self.transfer.filter_terms() {
             filter::apply(&mut self.loops.tiles, self.world, &mut self.loops.spare, terms);
             self.loops.timing.end(Phase::Grid);
         }
         Ok(())
+    }
+
+    /// Where x is a radius, the axis does not move along it.
+    fn hold_axis(&mut self) {
+        if self.world.method.axisymmetric {
+            grid::hold_axis(&mut self.world.grid);
+        }
     }
 
     /// Lines 9 to 12 and, if there is a `second_mapping`, the sum of line 13; particles are sorted
@@ -295,6 +303,9 @@ impl Parts<'_> {
         }
         self.loops.timing.end(Phase::Grid);
         self.act(Stage::PostVelocitiesToGrid)?;
+        if self.world.method.axisymmetric {
+            grid::hold_mapped_axis(&mut self.world.grid);
+        }
         self.average_dilation();
         if later {
             self.clear_nodes();
@@ -324,6 +335,7 @@ impl Parts<'_> {
         grid::first_velocities(&mut self.world.grid, parallel);
         self.loops.timing.end(Phase::Grid);
         self.act(Stage::PostUpdateGridState)?;
+        self.hold_axis();
         grid::velocities_for_strain(&mut self.world.grid, parallel);
         self.average_dilation();
         self.loops.timing.end(Phase::Grid);

@@ -3,7 +3,7 @@
 use crate::material::{Description, LANES, Law, State, StressRate};
 use crate::math::tensor::Tensor;
 use crate::method::Method;
-use crate::model::column::ColumnSet;
+use crate::model::column::{Column, ColumnSet};
 use crate::model::domain::{Boundary, Domain};
 use crate::model::grid::Grid;
 use crate::model::group::Groups;
@@ -61,11 +61,34 @@ impl World {
         if self.method.total { Description::Total } else { Description::Updated(self.rate) }
     }
 
+    /// Dimensions of tensors: 3 for bodies of revolution, whose hoop components live.
+    pub fn tensor_dimension(&self) -> usize {
+        if self.method.axisymmetric { 3 } else { self.domain.dimension }
+    }
+
+    /// The components of F that change.
+    pub fn deformation_columns(&self) -> &'static [Column] {
+        match self.method.axisymmetric {
+            true => Column::ROUND_DEFORMATION,
+            false => Column::deformation(self.domain.dimension),
+        }
+    }
+
+    /// Columns that a law and its kinematics need.
+    pub fn columns_of(&self, law: &dyn Law) -> ColumnSet {
+        let mut columns = self.description().columns(law, self.domain.dimension);
+        if columns.contains(Column::F11) {
+            columns.extend(self.deformation_columns());
+        }
+        columns
+    }
+
     /// The cells that the particles of a solid are put in: those of the box, in total Lagrangian
     /// methods those of size `cell` from the lower corner of the body.
     pub fn cells_between(&self, bounds: &Bounds, cell: f64) -> Domain {
+        let lower = self.method.lower_limits(bounds.lower);
         match self.method.total {
-            true => self.domain.of_limits(bounds.lower, bounds.upper, cell),
+            true => self.domain.of_limits(lower, bounds.upper, cell),
             false => self.domain,
         }
     }
@@ -101,7 +124,7 @@ impl World {
     fn load(&self, state: &mut State, solid: &Solid, range: Range<usize>) {
         let particles = &self.particles;
         let set = particles.present.common(solid.columns);
-        state.load(self.domain.dimension, range.len(), set, |column| {
+        state.load(self.tensor_dimension(), range.len(), set, |column| {
             &particles.column(column)[range.clone()]
         });
     }
@@ -119,6 +142,12 @@ impl World {
     pub fn stress(&self, particle: usize) -> Tensor {
         let description = self.description();
         self.of_particle(particle, |solid, state| description.stress(&*solid.law, state, 0))
+    }
+
+    /// Where a particle is \[L\].
+    pub fn place(&self, particle: usize) -> [f64; 3] {
+        let [x, y, z, _] = self.particles.position[particle];
+        [x, y, z]
     }
 
     /// F of a particle; the identity where the scene does not have it.

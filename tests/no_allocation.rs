@@ -45,8 +45,9 @@ fn allocations(simulation: &mut Simulation, steps: u64) -> usize {
     CALLS.get() - before
 }
 
-/// A shearing disk, run in the given way.
+/// A shearing disk or torus, run in the given way.
 fn disk(
+    axisymmetric: bool,
     total: bool,
     shape: ShapeKind,
     transfer: Transfer,
@@ -55,7 +56,8 @@ fn disk(
     let [lower, upper] = [[0.0; 3], [1.0, 1.0, 0.0]];
     let domain = Domain { dimension: 2, lower, upper, cell: 0.05 };
     let mut simulation = Simulation::new(domain, Outputs::silent());
-    simulation.set_method(Method { total, shape, averaged_dilation: shape != ShapeKind::Linear });
+    let averaged_dilation = shape != ShapeKind::Linear;
+    simulation.set_method(Method { total, shape, averaged_dilation, axisymmetric });
     simulation.set_scheme(scheme);
     simulation.transfer = transfer;
     let disk = Sphere { dimension: 2, centre: [0.5, 0.5, 0.0], radius: 0.3 };
@@ -79,11 +81,13 @@ fn longer_runs_allocate_no_more_than_shorter_ones() {
         (true, ShapeKind::Linear, Transfer::new(Flip, 1.0), &Musl),
     ];
     for (total, shape, transfer, scheme) in ways {
-        let mut simulation = disk(total, shape, transfer, scheme);
-        allocations(&mut simulation, 10);
-        let short = allocations(&mut simulation, 10);
-        let long = allocations(&mut simulation, 100);
-        println!("{shape:?} {transfer:?}: {short} allocations in 10 steps, {long} in 100");
-        assert!(long <= short, "{shape:?} {transfer:?}: {long} > {short}");
+        for axisymmetric in [false, true] {
+            let mut simulation = disk(axisymmetric, total, shape, transfer, scheme);
+            allocations(&mut simulation, 10);
+            let short = allocations(&mut simulation, 10);
+            let long = allocations(&mut simulation, 100);
+            println!("{shape:?} {transfer:?}: {short} allocations in 10 steps, {long} in 100");
+            assert!(long <= short, "{shape:?} {transfer:?}: {long} > {short}");
+        }
     }
 }

@@ -98,6 +98,9 @@ pub fn create_domain(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, D
     }
     args.old_form("dimension(d, xlo, xhi, ..., h)");
     (domain.lower, domain.upper) = limits(args, domain.dimension)?;
+    if scene.axisymmetric {
+        check_radius(&domain, args.command.span)?;
+    }
     // Old scripts give all three axes; the surplus ones do not count.
     let surplus = 2 * (3 - domain.dimension);
     if args.remaining() >= surplus {
@@ -127,11 +130,57 @@ pub fn check_cells(domain: &Domain, span: Span) -> Result<(), Diagnostic> {
         .label("the cell size is too small for the box"))
 }
 
-/// `axisymmetric(false)`
+/// The manual of `axisymmetric`.
+pub const AXISYMMETRIC: &str = "\
+Two dimensions: x is the radius r, y lies along the axis, 33 (tt) is the hoop. A particle of area A
+has V0 = r0 A and m = rho0 V0, so masses, volumes, momenta, forces, energies and what sums of them
+are (dumps, logs, results of fixes and computes) are those of one radian: 2 PI times as much goes all
+round. `force_nodes` takes its total per radian, `xcm` weighs places with these masses.
+  L_tt = sum v_r N/r, f_r -= V sigma_tt N/r    (tlmpm: r0 and P_tt; MLS: the v_r that moves r)
+F33, J, tr L, every law and F-bar (d = 3) see the hoop.
+The axis: nodes at x = 0 have v_r = 0, always and after all fixes; no fix is needed there, and none
+can move it. Along the axis they are free. A box that begins at x > 0 has no axis: its first nodes
+are free. Regions that reach beyond the axis are cut there. With ASFLIP particles follow velocities
+of their own and may cross the axis, which stops a run of `ulmpm`.
+Uniform sigma_rr = sigma_tt pulls no node inside a body whose particles lie on their lattice: with
+hats exactly, with splines from the fourth node off the axis on.
+The stable time step is that of plane strain within 2 %. Stands above the solids.
+Source: Karamelo's rule; Nairn and Guilkey 2015 for the weight r.";
+
+/// `axisymmetric(true|false)`
 pub fn axisymmetric(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
     scene.before_runs(args.command)?;
-    available(args, "truth value", &["true", "false"], &["false"])?;
-    Ok(action(|_| ()))
+    let span = args.next_span();
+    let words = ["true", "false"];
+    let axisymmetric = available(args, "truth value", &words, &words)?.text == words[0];
+    if axisymmetric != scene.axisymmetric && !scene.solids.is_empty() {
+        let message = "`axisymmetric` stands below a solid";
+        return Err(Diagnostic::error(Code::Order, args.command.span, message)
+            .label("too late: the volumes of the particles are known"));
+    }
+    if axisymmetric {
+        let domain = scene.need_domain(args.command)?;
+        if domain.dimension != 2 {
+            let message =
+                format!("`axisymmetric` needs two dimensions; there are {}", domain.dimension);
+            return Err(Diagnostic::error(Code::DimensionMismatch, span, message)
+                .label("x is the radius and y lies along the axis"));
+        }
+        check_radius(&domain, args.command.span)?;
+    }
+    scene.axisymmetric = axisymmetric;
+    Ok(action(move |session| session.simulation.world.method.axisymmetric = axisymmetric))
+}
+
+/// Refuses a box with negative radii.
+fn check_radius(domain: &Domain, span: Span) -> Result<(), Diagnostic> {
+    if domain.lower[0] >= 0.0 {
+        return Ok(());
+    }
+    let message = format!("the box begins at the radius x = {}", domain.lower[0]);
+    Err(Diagnostic::error(Code::Range, span, message)
+        .label("needs a box whose lower x limit is not negative")
+        .help("bodies round the axis begin at x = 0: `dimension(2, 0, xhi, ylo, yhi, h)`"))
 }
 
 /// `boundary(error|delete|bounce)`

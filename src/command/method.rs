@@ -10,6 +10,7 @@ use crate::script::arguments::{Args, Name};
 use crate::script::diagnostic::{Code, Diagnostic};
 use crate::script::source::Span;
 use crate::shape::{SHAPES, ShapeKind};
+use crate::simulation::Simulation;
 use crate::style;
 use crate::time_step;
 use crate::transfer::{TRANSFERS, Transfer, TransferKind};
@@ -24,6 +25,15 @@ pub struct Choice {
     pub method: Method,
     /// The transfer.
     pub transfer: Transfer,
+}
+
+impl Choice {
+    /// Sets method and transfer; what other commands say of the method stays.
+    pub fn take_effect(self, simulation: &mut Simulation) {
+        let Method { averaged_dilation, axisymmetric, .. } = simulation.world.method;
+        simulation.set_method(Method { averaged_dilation, axisymmetric, ..self.method });
+        simulation.transfer = self.transfer;
+    }
 }
 
 impl Default for Choice {
@@ -66,13 +76,7 @@ pub fn method(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnost
     let choice = Choice { method, transfer };
     scene.method = Some(choice);
     warn_if_fragile(args, scene);
-    Ok(action(move |session| {
-        session.simulation.set_method(Method {
-            averaged_dilation: session.simulation.world.method.averaged_dilation,
-            ..choice.method
-        });
-        session.simulation.transfer = choice.transfer;
-    }))
+    Ok(action(move |session| choice.take_effect(&mut session.simulation)))
 }
 
 /// Reads the sub-method, with the number of terms of `XPIC`.

@@ -138,6 +138,8 @@ pub struct Scene {
     pub scheme: SchemeKind,
     /// Box and cells.
     pub domain: Option<Domain>,
+    /// x is a radius.
+    pub axisymmetric: bool,
     /// The box is that around the solids (old scripts, total Lagrangian).
     pub box_follows_solids: bool,
     /// Regions.
@@ -179,6 +181,7 @@ impl Default for Scene {
             method: None,
             scheme: SchemeKind::Musl,
             domain: None,
+            axisymmetric: false,
             box_follows_solids: false,
             regions: Names::new("region"),
             eos: Names::new("eos"),

@@ -6,6 +6,7 @@ use super::scene::{Scene, SolidEntry};
 use super::{Action, action, files};
 use crate::geometry::{Mistake, Point, Points, gmsh, list};
 use crate::memory;
+use crate::method::Method;
 use crate::model::domain::Domain;
 use crate::region::{Bounds, Region};
 use crate::script::arguments::{Args, Name};
@@ -80,7 +81,9 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
     };
     if total {
         let bounds = body.filling.bounds();
-        domain = domain.of_limits(bounds.lower, bounds.upper, cell.value);
+        let method = Method { axisymmetric: scene.axisymmetric, ..choice.method };
+        let lower = method.lower_limits(bounds.lower);
+        domain = domain.of_limits(lower, bounds.upper, cell.value);
         check_bounded(&domain, &body.name)?;
         check_cells(&domain, cell.span)?;
     }
@@ -105,8 +108,7 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
             simulation.world.domain = outer;
         }
         if default_method {
-            simulation.set_method(choice.method);
-            simulation.transfer = choice.transfer;
+            choice.take_effect(simulation);
         }
         simulation.add_filled_solid(&id.text, &material.text, law, &filling, domain.cell);
         if let Some(temperature) = temperature {
@@ -335,7 +337,7 @@ fn check_solid(
             .label("empty at this cell size")
             .help(format!("compare the region {help}")));
     }
-    if !total && is_cut(solid) {
+    if !total && is_cut(solid, scene.axisymmetric) {
         let message = format!("solid `{}` is cut by the box", id.text);
         args.remarks.push(
             Diagnostic::warning(Code::CutByBox, name.span, message)
@@ -355,7 +357,7 @@ fn check_solid(
 }
 
 /// Does the box cut something off?
-fn is_cut(solid: &SolidEntry) -> bool {
+fn is_cut(solid: &SolidEntry, axisymmetric: bool) -> bool {
     let domain = &solid.cells;
     if let Filling::Points(points) = &solid.filling {
         return points.list.iter().any(|point| !domain.contains(point.place));
@@ -364,7 +366,9 @@ fn is_cut(solid: &SolidEntry) -> bool {
     let slack = 1e-9 * domain.cell;
     (0..domain.dimension).any(|axis| {
         let [low, high] = [bounds.lower[axis], bounds.upper[axis]];
-        (low.is_finite() && low < domain.lower[axis] - slack)
+        // A region round the axis of a body of revolution goes on behind it.
+        let behind = axis == 0 && axisymmetric && domain.lower[0].abs() < slack;
+        (low.is_finite() && low < domain.lower[axis] - slack && !behind)
             || (high.is_finite() && high > domain.upper[axis] + slack)
     })
 }

@@ -13,7 +13,7 @@ pub const KINETIC: Style<BuildCompute> = Style {
     name: "kinetic_energy",
     usage: "",
     summary: "sum m v^2/2 [M L^2/T^2]",
-    manual: "Publishes ID.",
+    manual: "Publishes ID. With `axisymmetric` per radian.",
     build: Some(|_, target| energy(target, "kinetic_energy", kinetic_energy)),
 };
 
@@ -22,7 +22,8 @@ pub const STRAIN: Style<BuildCompute> = Style {
     name: "strain_energy",
     usage: "",
     summary: "stored energy, sum V sigma:eps_el/2 or sum V0 W [M L^2/T^2]",
-    manual: "Publishes ID. eps_el = C^-1 sigma for hypoelastic laws (language.md 9.6).",
+    manual: "Publishes ID. eps_el = C^-1 sigma for hypoelastic laws (language.md 9.6).
+With `axisymmetric` per radian.",
     build: Some(|_, target| energy(target, "strain_energy", strain_energy)),
 };
 

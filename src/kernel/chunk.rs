@@ -87,6 +87,15 @@ impl Scratch {
             }
         }
     }
+
+    /// The hoop entry of L: gradient <- numbers, 0 in lanes without a particle.
+    #[inline(always)]
+    pub fn spread_hoop(&mut self, len: usize) {
+        self.gradient[8] = self.numbers;
+        self.gradient[8].as_flattened_mut()[len.min(LANES)..].fill(0.0);
+        // Kinematics in three dimensions write the other entries too.
+        self.spanned = 0;
+    }
 }
 
 /// records <- factor times the columns of J sigma (updated Lagrangian) or of P = J sigma F^-T: with

@@ -1,6 +1,6 @@
 //! F-bar: the volumetric part of L, averaged over the grid (language.md 9.1).
 
-use super::by_kind;
+use super::by_space;
 use super::chunk::{SCRATCH, Scratch};
 use super::points::of_one_solid;
 use super::shared::Shared;
@@ -18,15 +18,17 @@ use std::marker::PhantomData;
 
 /// dilation += N m tr L for every particle.
 pub fn sweep(tiles: &mut Tiles, world: &mut World) {
-    by_kind!(world.domain.dimension, world.method.shape, sweep_of, tiles, world);
+    let (method, dimension) = (world.method, world.domain.dimension);
+    by_space!(method.axisymmetric, dimension, method.shape, sweep_of, tiles, world);
 }
 
-fn sweep_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
+fn sweep_of<const D: usize, const W: usize, const ROUND: bool, S: Shape<W> + Sync>(
     tiles: &mut Tiles,
     world: &mut World,
 ) {
     let description = world.description();
     let total = world.method.total;
+    let (dimension, deformation) = (world.tensor_dimension(), world.deformation_columns());
     let World { particles, grid, .. } = world;
     let places = if total { &particles.reference } else { &particles.position };
     let mapped = &grid.mapped;
@@ -34,10 +36,10 @@ fn sweep_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
     tiles.sweep(|tile, _| {
         SCRATCH.with_borrow_mut(|scratch| {
             for range in of_one_solid(tile.range, &particles.solid) {
-                load_deformation(scratch, particles, D, range.clone());
+                load_deformation(scratch, particles, dimension, deformation, range.clone());
                 let places = &places[range];
                 let (frame, shape) = (tile.frame, PhantomData);
-                dispatch(Part::<'_, D, W, S> {
+                dispatch(Part::<'_, D, W, ROUND, S> {
                     places,
                     scratch,
                     frame,
@@ -52,7 +54,7 @@ fn sweep_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
 }
 
 /// One chunk.
-struct Part<'a, const D: usize, const W: usize, S> {
+struct Part<'a, const D: usize, const W: usize, const ROUND: bool, S> {
     places: &'a [[f64; 4]],
     scratch: &'a mut Scratch,
     frame: &'a Frame,
@@ -62,7 +64,9 @@ struct Part<'a, const D: usize, const W: usize, S> {
     shape: PhantomData<S>,
 }
 
-impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
+impl<const D: usize, const W: usize, const ROUND: bool, S: Shape<W>> Sweep
+    for Part<'_, D, W, ROUND, S>
+{
     type Output = ();
 
     #[inline(always)]
@@ -71,15 +75,24 @@ impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
         let len = places.len().min(LANES);
         for p in 0..len {
             let stencil = frame.stencil::<V, D, W, S>(V::load(&places[p]));
-            let columns = stencil.gradient::<V>(mapped);
+            let (columns, value) = stencil.gradient_and_value::<V>(mapped);
             for j in 0..D {
                 columns[j].store(&mut scratch.records[j][p]);
+            }
+            if ROUND {
+                scratch.numbers[p / 4][p % 4] = frame.hoop_rate(value.array()[0], places[p][0]);
             }
         }
         let groups = scratch.state.groups().end;
         scratch.spread::<V, D>(frame.inverse_spacing, groups);
+        if ROUND {
+            scratch.spread_hoop(len);
+        }
         for group in 0..groups {
-            let trace = trace_of::<V, D>(scratch, description, group);
+            let trace = match ROUND {
+                true => trace_of::<V, 3>(scratch, description, group),
+                false => trace_of::<V, D>(scratch, description, group),
+            };
             trace.store(&mut scratch.numbers[group]);
         }
         for p in 0..len {
@@ -104,10 +117,11 @@ fn load_deformation(
     scratch: &mut Scratch,
     particles: &Particles,
     dimension: usize,
+    deformation: &[Column],
     range: std::ops::Range<usize>,
 ) {
     let mut set = ColumnSet::default();
-    set.extend(Column::deformation(dimension));
+    set.extend(deformation);
     scratch.state.load(dimension, range.len(), set.common(particles.present), |column| {
         &particles.column(column)[range.clone()]
     });
@@ -140,7 +154,7 @@ fn trace_of<V: Wide, const D: usize>(
 }
 
 /// L <- L + (theta - tr L)/d I with theta in `numbers`; total Lagrangian:
-/// dF/dt <- dF/dt + (theta - tr L)/d F.
+/// dF/dt <- dF/dt + (theta - tr L)/d F. Where x is a radius, d = 3.
 #[inline(always)]
 pub fn replace<V: Wide, const D: usize>(scratch: &mut Scratch, description: Description) {
     for group in scratch.state.groups() {

@@ -1,6 +1,7 @@
 //! Passes over the active nodes.
 
 use crate::model::grid::{Grid, Node};
+use crate::model::lattice::Lattice;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -144,6 +145,26 @@ pub fn average_dilation(grid: &mut Grid) {
     let Grid { nodes, dilation, runs, mass_cutoff, .. } = grid;
     for node in runs.iter().cloned().flatten() {
         dilation[node] *= inverse_mass(&nodes[node], *mass_cutoff);
+    }
+}
+
+/// The axis of bodies of revolution stays where it is: v_r = v*_r = 0 at its nodes, whatever fixes
+/// say; otherwise the hoop strain v_r/r would have no bound.
+pub fn hold_axis(grid: &mut Grid) {
+    let Grid { lattices, nodes, held, filtered, .. } = grid;
+    for node in lattices.iter().flat_map(Lattice::axis) {
+        (nodes[node].motion[0], nodes[node].change[0]) = (0.0, 0.0);
+        if !filtered.is_empty() {
+            held.push((node, 0));
+        }
+    }
+}
+
+/// The same for the velocity of the second mapping.
+pub fn hold_mapped_axis(grid: &mut Grid) {
+    let Grid { lattices, mapped, .. } = grid;
+    for node in lattices.iter().flat_map(Lattice::axis) {
+        mapped[node][0] = 0.0;
     }
 }
 

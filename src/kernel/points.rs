@@ -1,6 +1,6 @@
 //! Velocity gradients, stress and movement of the particles, and P2G.
 
-use super::by_kind;
+use super::by_space;
 use super::chunk::{SCRATCH, Scratch, stresses};
 use super::scatter::Parcel;
 use super::shared::Shared;
@@ -48,7 +48,8 @@ pub struct Points {
 /// Does what `points` says for every particle, in chunks of one law: L = sum v (x) grad N at the
 /// old place, the law, movement, and P2G (line 5) at the new place.
 pub fn sweep(tiles: &mut Tiles, world: &mut World, points: Points) -> Report {
-    by_kind!(world.domain.dimension, world.method.shape, sweep_of, tiles, world, points)
+    let (method, dimension) = (world.method, world.domain.dimension);
+    by_space!(method.axisymmetric, dimension, method.shape, sweep_of, tiles, world, points)
 }
 
 /// Memory that the tiles write, each its part.
@@ -72,7 +73,7 @@ struct Seen<'a> {
     description: Description,
 }
 
-fn sweep_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
+fn sweep_of<const D: usize, const W: usize, const ROUND: bool, S: Shape<W> + Sync>(
     tiles: &mut Tiles,
     world: &mut World,
     points: Points,
@@ -101,7 +102,7 @@ fn sweep_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
     tiles.sweep(|tile: Tile<'_>, report| {
         SCRATCH.with_borrow_mut(|scratch| {
             for range in of_one_solid(tile.range, seen.solid) {
-                let part = Part::<'_, D, W, S> {
+                let part = Part::<'_, D, W, ROUND, S> {
                     solid: &seen.solids[seen.solid[range.start] as usize],
                     range,
                     seen: &seen,
@@ -135,8 +136,8 @@ pub fn of_one_solid(range: Range<usize>, solid: &[u16]) -> impl Iterator<Item = 
     })
 }
 
-/// One chunk.
-struct Part<'a, const D: usize, const W: usize, S> {
+/// One chunk; `ROUND`: x is a radius.
+struct Part<'a, const D: usize, const W: usize, const ROUND: bool, S> {
     solid: &'a Solid,
     range: Range<usize>,
     seen: &'a Seen<'a>,
@@ -148,7 +149,9 @@ struct Part<'a, const D: usize, const W: usize, S> {
     shape: PhantomData<S>,
 }
 
-impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
+impl<const D: usize, const W: usize, const ROUND: bool, S: Shape<W>> Sweep
+    for Part<'_, D, W, ROUND, S>
+{
     type Output = ();
 
     #[inline(always)]
@@ -187,7 +190,10 @@ impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
     }
 }
 
-impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
+impl<'a, const D: usize, const W: usize, const ROUND: bool, S: Shape<W>> Part<'a, D, W, ROUND, S> {
+    /// Dimensions of tensors: hoop components live.
+    const TENSOR: usize = if ROUND { 3 } else { D };
+
     /// The places the weights belong to.
     #[inline(always)]
     fn places(&self) -> &'a [[f64; 4]] {
@@ -203,7 +209,7 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
     #[inline(always)]
     fn load<V: Wide>(&mut self, set: ColumnSet) {
         let (range, columns) = (self.range.clone(), &self.lent.columns);
-        self.scratch.state.load_wide::<V>(D, range.len(), set, |column| {
+        self.scratch.state.load_wide::<V>(Self::TENSOR, range.len(), set, |column| {
             // SAFETY: as in `places`.
             unsafe { columns[column as usize].part(range.clone()) }
         });
@@ -223,16 +229,19 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
     #[inline(always)]
     fn gradients<V: Wide, const MOMENTS: bool>(&mut self) {
         let (frame, mapped, places) = (self.frame, self.seen.mapped, self.places());
-        let records = &mut self.scratch.records;
+        let Scratch { records, numbers, .. } = &mut *self.scratch;
         let len = places.len().min(LANES);
         for p in 0..len {
             let mut stencil = frame.stencil::<V, D, W, S>(V::load(&places[p]));
             if MOMENTS {
                 stencil = stencil.affine::<V, S>();
             }
-            let columns = stencil.gradient::<V>(mapped);
+            let (columns, value) = stencil.gradient_and_value::<V>(mapped);
             for j in 0..D {
                 columns[j].store(&mut records[j][p]);
+            }
+            if ROUND {
+                numbers[p / 4][p % 4] = frame.hoop_rate(value.array()[0], places[p][0]);
             }
         }
     }
@@ -251,6 +260,9 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
             false => self.frame.inverse_spacing,
         };
         self.scratch.spread::<V, D>(scale, groups);
+        if ROUND {
+            self.scratch.spread_hoop(len);
+        }
         if self.points.keep_gradient {
             self.keep_gradient();
         }
@@ -279,6 +291,15 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
             let matrix = unsafe { self.lent.matrix[axis].part(self.range.clone()) };
             records[..matrix.len()].copy_from_slice(matrix);
         }
+        if ROUND {
+            // What moves the particle stretches its hoop: F33 = r/r0.
+            let displacement = &self.seen.displacement[self.range.clone()];
+            let places = self.places();
+            for (p, (dx, place)) in displacement.iter().zip(places).take(LANES).enumerate() {
+                let rate = self.frame.hoop_rate(dx[0] / self.points.dt, place[0]);
+                self.scratch.numbers[p / 4][p % 4] = rate;
+            }
+        }
     }
 
     /// A_p <- L_p.
@@ -302,7 +323,10 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
             let stencil = frame.stencil::<V, D, W, S>(V::load(&places[p]));
             self.scratch.numbers[p / 4][p % 4] = stencil.average(self.seen.dilation);
         }
-        super::dilation::replace::<V, D>(self.scratch, self.seen.description);
+        match ROUND {
+            true => super::dilation::replace::<V, 3>(self.scratch, self.seen.description),
+            false => super::dilation::replace::<V, D>(self.scratch, self.seen.description),
+        }
     }
 
     /// The fastest wave, the largest rate and the smallest stretch of the chunk.
@@ -324,7 +348,7 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
         for group in 0..state.groups().end.min(GROUPS) {
             let mut square = V::splat(0.0);
             for entry in 0..9 {
-                if in_space::<D>(entry) {
+                if in_space::<D>(entry) || (ROUND && entry == 8) {
                     let rate = V::load(&gradient[entry][group]);
                     square = rate.mul_add(rate, square);
                 }
@@ -382,6 +406,7 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
                 motion: mass * V::load(v).with_last(V::splat(1.0)),
                 spread: [V::splat(0.0); D],
                 force: [V::splat(0.0); D],
+                hoop: V::splat(0.0),
             };
             if AFFINE {
                 for axis in 0..D {
@@ -398,11 +423,17 @@ impl<'a, const D: usize, const W: usize, S: Shape<W>> Part<'a, D, W, S> {
                 for axis in 0..D {
                     parcel.force[axis] = volume * V::load(&records[axis][p]);
                 }
+                if ROUND {
+                    // The records hold -P/h.
+                    let stress = frame.spacing * records[2][p][2];
+                    let force = v[3] * stress * frame.inverse_radius(place[0]);
+                    parcel.hoop = V::load(&[force, 0.0, 0.0, 0.0]);
+                }
                 if moments {
                     stencil = stencil.affine::<V, S>();
                 }
             }
-            parcel.scatter::<W, MOTION, FORCE, AFFINE>(&stencil, nodes);
+            parcel.scatter::<W, ROUND, MOTION, FORCE, AFFINE>(&stencil, nodes);
         }
     }
 }

@@ -19,12 +19,21 @@ pub struct Parcel<V, const D: usize> {
     pub spread: [V; D],
     /// -V0 J sigma_{.j} / h of each axis j: the force is the sum over j of this times dN/dr_j.
     pub force: [V; D],
+    /// -V0 J sigma_tt/r along x: where x is a radius, the force is also N times this.
+    pub hoop: V,
 }
 
 impl<V: Wide, const D: usize> Parcel<V, D> {
-    /// motion += N (m v, m), force -= V sigma grad N (line 5 of language.md 7.1).
+    /// motion += N (m v, m), force -= V sigma grad N (line 5 of language.md 7.1); where x is a
+    /// radius (`ROUND`) also f_r -= V sigma_tt N/r.
     #[inline(always)]
-    pub fn scatter<const W: usize, const MOTION: bool, const FORCE: bool, const AFFINE: bool>(
+    pub fn scatter<
+        const W: usize,
+        const ROUND: bool,
+        const MOTION: bool,
+        const FORCE: bool,
+        const AFFINE: bool,
+    >(
         &self,
         stencil: &Stencil<D, W>,
         nodes: Shared<'_, Node>,
@@ -35,7 +44,7 @@ impl<V: Wide, const D: usize> Parcel<V, D> {
         for i in 0..Stencil::<D, W>::PLANES {
             let plane = self.along_plane::<W, FORCE, AFFINE>(stencil, i);
             for j in 0..Stencil::<D, W>::ROWS {
-                let Parcel { mut motion, spread, force } = plane;
+                let Parcel { mut motion, spread, force, hoop } = plane;
                 let (mut step, mut steep, mut flat) = (spread[last], force[last], V::splat(0.0));
                 if D > 1 {
                     if AFFINE {
@@ -45,6 +54,9 @@ impl<V: Wide, const D: usize> Parcel<V, D> {
                         (stencil.value::<V>(across, j), stencil.slope::<V>(across, j));
                     (motion, step, steep) = (value * motion, value * step, value * steep);
                     flat = slope * force[across];
+                    if ROUND {
+                        flat = value.mul_add(hoop, flat);
+                    }
                     if D == 3 {
                         flat = value.mul_add(force[0], flat);
                     }

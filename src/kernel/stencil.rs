@@ -4,7 +4,7 @@ use super::shared::{Rows, RowsMut, Shared};
 use crate::math::v4::Wide;
 use crate::model::domain::Domain;
 use crate::model::lattice::Lattice;
-use crate::shape::{Shape, Weights};
+use crate::shape::{EDGE, Shape, Weights};
 
 /// What a kernel must know of a lattice to find the nodes of a particle.
 #[derive(Clone, Copy, Debug)]
@@ -51,6 +51,19 @@ impl Frame {
             origin: window.start.wrapping_sub(first),
             stride: [ny * nz, nz],
         }
+    }
+
+    /// The inverse of a radius; beside the axis weights, and with them velocities, fall as fast as
+    /// r does, down to [`EDGE`].
+    #[inline(always)]
+    pub fn inverse_radius(&self, r: f64) -> f64 {
+        1.0 / r.max(EDGE * self.spacing)
+    }
+
+    /// Rate of the hoop strain, v_r/r \[1/T\].
+    #[inline(always)]
+    pub fn hoop_rate(&self, radial_velocity: f64, r: f64) -> f64 {
+        radial_velocity * self.inverse_radius(r)
     }
 
     /// The nodes of a particle. Nodes outside the window give places beyond its memory.
@@ -174,6 +187,12 @@ impl<const D: usize, const W: usize> Stencil<D, W> {
     /// spacing.
     #[inline(always)]
     pub fn gradient<V: Wide>(&self, mapped: &[[f64; 4]]) -> [V; D] {
+        self.gradient_and_value(mapped).0
+    }
+
+    /// The same and, in two dimensions, sum v N.
+    #[inline(always)]
+    pub fn gradient_and_value<V: Wide>(&self, mapped: &[[f64; 4]]) -> ([V; D], V) {
         let (last, across, zero) = (D - 1, Stencil::<D, W>::ACROSS, V::splat(0.0));
         let rows = self.of(mapped);
         let mut sum = [zero; D];
@@ -189,7 +208,7 @@ impl<const D: usize, const W: usize> Stencil<D, W> {
                     steep = self.slope::<V>(last, k).mul_add(node, steep);
                 }
                 if D == 1 {
-                    return [steep; D];
+                    return ([steep; D], flat);
                 }
                 let (value, slope) = (self.value::<V>(across, j), self.slope::<V>(across, j));
                 plane[last] = value.mul_add(steep, plane[last]);
@@ -197,7 +216,7 @@ impl<const D: usize, const W: usize> Stencil<D, W> {
                 plane_flat = value.mul_add(flat, plane_flat);
             }
             if D < 3 {
-                return plane;
+                return (plane, plane_flat);
             }
             let value = self.value::<V>(0, i);
             sum[0] = self.slope::<V>(0, i).mul_add(plane_flat, sum[0]);
@@ -205,7 +224,7 @@ impl<const D: usize, const W: usize> Stencil<D, W> {
                 sum[axis] = value.mul_add(plane[axis], sum[axis]);
             }
         }
-        sum
+        (sum, zero)
     }
 
     /// sum N q of one particle.

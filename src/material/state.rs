@@ -32,6 +32,12 @@ pub const STRESS: [Column; 6] = {
 /// Places in a tensor of the components 11, 22, 33, 12, 13, 23.
 pub const PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
 
+/// Components that do not exist where x is a radius and only the hoop lies out of the plane.
+const TWISTED: [Column; 6] = {
+    use Column::*;
+    [S13, S23, F13, F23, F31, F32]
+};
+
 /// Index into [`STRESS`] of entry 3 i + j of the symmetric tensor.
 pub const SYMMETRIC: [usize; 9] = [0, 3, 4, 3, 1, 5, 4, 5, 2];
 
@@ -78,7 +84,7 @@ pub fn symmetric_tensor<V: Wide>(six: [V; 6]) -> [V; 9] {
 /// Columns of up to [`LANES`] particles. A column that the scene does not have reads as its initial
 /// value.
 pub struct State {
-    /// 1, 2 (plane strain) or 3.
+    /// 1, 2 (plane strain) or 3 (bodies of revolution too: 33 is the hoop).
     pub dimension: usize,
     /// Number of particles; lanes beyond hold numbers without meaning.
     pub len: usize,
@@ -121,6 +127,12 @@ impl State {
             self.columns[column as usize] = [[column.info().initial; 4]; GROUPS];
         }
         self.loaded = set;
+        if dimension == 3 && !set.contains(Column::S13) {
+            // Laws write them, in lanes beyond the last particle with numbers without meaning.
+            for column in TWISTED {
+                self.columns[column as usize] = [[column.info().initial; 4]; GROUPS];
+            }
+        }
         for column in set.iter() {
             let lane = self.columns[column as usize].as_flattened_mut();
             copy::<V>(&slice(column)[..len], &mut lane[..len]);

@@ -161,6 +161,12 @@ impl Column {
             _ => &[F11, F12, F13, F21, F22, F23, F31, F32, F33],
         }
     }
+
+    /// The same where x is a radius: the hoop stretch is F33.
+    pub const ROUND_DEFORMATION: &[Column] = {
+        use Column::*;
+        &[F11, F12, F21, F22, F33]
+    };
 }
 
 /// A set of columns.

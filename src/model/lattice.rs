@@ -89,6 +89,13 @@ impl Lattice {
         })
     }
 
+    /// Places in memory of the nodes at x = 0, if the lattice begins there (two dimensions).
+    pub fn axis(&self) -> std::ops::Range<usize> {
+        let begins = self.cells.lower[0].abs() < 1e-9 * self.spacing && self.window.lower[0] == 0;
+        let count = if begins && self.window.size[0] > 0 { self.window.size[1] } else { 0 };
+        self.window.start..self.window.start + count
+    }
+
     /// Number of a node, from 0.
     pub fn number(&self, node: [usize; 3]) -> u64 {
         let [_, ny, nz] = self.nodes;
@@ -115,6 +122,19 @@ mod tests {
         assert_eq!(lattice.place([3, 1, 0]), [0.5, 0.5, 0.0]);
         let fine = Lattice::new(cells, 2);
         assert_eq!((fine.nodes, fine.spacing), ([9, 3, 1], 0.25));
+    }
+
+    #[test]
+    fn the_axis_is_where_x_is_zero_if_the_window_holds_it() {
+        let [lower, upper] = [[0.0; 3], [1.0, 0.5, 0.0]];
+        let cells = Domain { dimension: 2, lower, upper, cell: 0.25 };
+        let mut lattice = Lattice::new(cells, 1);
+        lattice.window = Window { lower: [0, 1, 0], size: [3, 2, 1], start: 7 };
+        assert_eq!(lattice.axis(), 7..9);
+        lattice.window.lower[0] = 1;
+        assert!(lattice.axis().is_empty());
+        let hollow = Lattice::new(Domain { lower: [0.25, 0.0, 0.0], ..cells }, 1);
+        assert!(hollow.axis().is_empty());
     }
 
     #[test]

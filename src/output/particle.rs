@@ -24,6 +24,8 @@ const MANUAL: &str = "\
 Fields: x y z x0 y0 z0 vx vy vz s11 s22 s33 s12 s13 s23 seq e11 e22 e33 e12 e13 e23 volume mass
 damage damage_init bx by bz ep epdot T ienergy gamma F11 .. F33 J rho p, and the set `ovito`:
 places, velocities, radius, oriented boxes, stress. Quantities the run does not have are 0.
+With `axisymmetric` the index 1 is the radius, 2 the axis, 3 the hoop; mass and volume are per
+radian, radius is sqrt(V/x)/2.
 One file per snapshot if the name has a `*` (the step), otherwise one growing file.";
 
 const fn row(name: &'static str, summary: &'static str, build: BuildDump) -> Style<BuildDump> {
@@ -161,7 +163,10 @@ struct ParticleDump {
 
 impl Dump for ParticleDump {
     fn needs(&self, plan: &mut Plan, dimension: usize) {
-        let deformation = Column::deformation(dimension);
+        let deformation = match plan.axisymmetric {
+            true => Column::ROUND_DEFORMATION,
+            false => Column::deformation(dimension),
+        };
         for field in &self.fields {
             match field {
                 Field::Orientation(_) | Field::HalfSize(_) => plan.columns.extend(deformation),
@@ -230,9 +235,10 @@ fn values(field: Field, world: &World) -> Values<'_> {
             let normal = (a - b).powi(2) + (b - c).powi(2) + (c - a).powi(2);
             (0.5 * normal + 3.0 * shear).sqrt()
         }),
-        Field::Radius => {
-            made(&|p| 0.5 * (jacobian[p] * particles.velocity[p][3]).powf(1.0 / dimension as f64))
-        }
+        Field::Radius => made(&|p| {
+            let girth = world.method.girth(world.place(p));
+            0.5 * (jacobian[p] * particles.velocity[p][3] / girth).powf(1.0 / dimension as f64)
+        }),
         Field::Strain(component) => strain(world, component),
         Field::Orientation(entry) => made(&|p| {
             let turn = Rotation3::from_matrix_unchecked(rotation(&world.deformation(p)));

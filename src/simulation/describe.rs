@@ -52,6 +52,7 @@ impl Simulation {
         let mass: f64 = world.particles.position.iter().map(|position| position[3]).sum();
         let waves = world.solids.iter().map(|solid| solid.law.reference_wave_speed());
         let stable = self.stable_now();
+        let round = world.method.axisymmetric;
         let grids: Vec<String> = match world.method.total {
             true => world.solids.iter().map(|solid| cells_in_words(&solid.cells)).collect(),
             false => vec![cells_in_words(&world.domain)],
@@ -65,7 +66,7 @@ impl Simulation {
             ("method", self.method_in_words()),
             ("grid", grids.join(", ")),
             ("nodes in memory", world.grid.len().to_string()),
-            ("mass", format!("{mass:.6e}")),
+            ("mass", format!("{mass:.6e}{}", if round { " per radian" } else { "" })),
             ("wave speed", format!("{:.6e}", waves.fold(0.0, f64::max))),
             ("first time step", dt),
             ("memory", memory::text(self.bytes() as f64)),
@@ -199,6 +200,14 @@ impl Simulation {
             (
                 "second mapping",
                 on(self.scheme.kind() == SchemeKind::Musl, "scheme musl", "the scheme has none"),
+            ),
+            (
+                "axisymmetric",
+                on(
+                    self.world.method.axisymmetric,
+                    "x is the radius; masses, forces, energies per radian",
+                    "axisymmetric(true) does not stand in the script",
+                ),
             ),
             ("F-bar", on(self.world.method.averaged_dilation, "anti_locking", "anti_locking none")),
             (

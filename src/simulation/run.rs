@@ -5,7 +5,7 @@ use crate::fault::Fault;
 use crate::interrupt;
 use crate::kernel::points;
 use crate::kernel::tiles::Report;
-use crate::model::column::Column;
+use crate::model::column::{Column, ColumnSet};
 use crate::model::grid::Keeps;
 use crate::output::Snapshot;
 use crate::plan::Plan;
@@ -82,10 +82,11 @@ impl Simulation {
     /// What the scene needs, as far as it is known now.
     pub fn make_plan(&self) -> Plan {
         let dimension = self.world.domain.dimension;
-        let mut plan = Plan { wave_speed: self.fixed_dt.is_none(), ..Plan::default() };
+        let axisymmetric = self.world.method.axisymmetric;
+        let wave_speed = self.fixed_dt.is_none();
+        let mut plan = Plan { wave_speed, axisymmetric, ..Plan::default() };
         for solid in &self.world.solids {
-            let columns = self.world.description().columns(&*solid.law, dimension);
-            plan.columns = plan.columns.union(columns);
+            plan.columns = plan.columns.union(self.world.columns_of(&*solid.law));
         }
         for (_, fix) in &self.fixes {
             fix.needs(&mut plan, dimension);
@@ -97,6 +98,9 @@ impl Simulation {
             compute.needs(&mut plan, dimension);
         }
         self.outputs.needs(&mut plan, dimension);
+        if plan.columns.contains(Column::F11) {
+            plan.columns.extend(self.world.deformation_columns());
+        }
         plan
     }
 
@@ -137,7 +141,9 @@ impl Simulation {
                 lattice.window = known.window;
             }
         }
-        let description = self.world.description();
+        let deformation = self.world.deformation_columns();
+        let of_laws: Vec<ColumnSet> =
+            self.world.solids.iter().map(|solid| self.world.columns_of(&*solid.law)).collect();
         let World { particles, grid, solids, method, domain, .. } = &mut self.world;
         particles.require(self.plan.columns);
         if method.total {
@@ -145,10 +151,10 @@ impl Simulation {
         }
         let matrix = self.transfer.has_matrix();
         particles.require_matrix(if matrix { domain.dimension } else { 0 });
-        for solid in solids {
-            solid.columns = description.columns(&*solid.law, domain.dimension);
+        for (solid, columns) in solids.iter_mut().zip(of_laws) {
+            solid.columns = columns;
             if particles.present.contains(Column::F11) {
-                solid.columns.extend(Column::deformation(domain.dimension));
+                solid.columns.extend(deformation);
             }
         }
         grid.lattices = lattices;

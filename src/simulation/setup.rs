@@ -166,7 +166,7 @@ impl Simulation {
         particles_per_cell: f64,
         each: impl FnOnce(&mut dyn FnMut([f64; 3], f64)),
     ) -> usize {
-        let columns = self.world.description().columns(&*law, domain.dimension);
+        let columns = self.world.columns_of(&*law);
         self.world.particles.require(columns);
         let temperature = law.initial_temperature();
         self.world.solids.push(Solid {
@@ -189,13 +189,17 @@ impl Simulation {
         solid: usize,
         each: impl FnOnce(&mut dyn FnMut([f64; 3], f64)),
     ) -> usize {
-        let World { particles, solids, .. } = &mut self.world;
+        let World { particles, solids, method, .. } = &mut self.world;
         let density = solids[solid].law.density();
         let before = particles.len();
         let mut id = particles.id.iter().copied().max().unwrap_or(0);
         each(&mut |place, volume| {
-            id += 1;
-            particles.push(id, solid as u16, place, density * volume, volume);
+            let volume = volume * method.girth(place);
+            // Nothing lies on the axis or behind it.
+            if volume > 0.0 {
+                id += 1;
+                particles.push(id, solid as u16, place, density * volume, volume);
+            }
         });
         particles.len() - before
     }
@@ -212,7 +216,9 @@ impl Simulation {
         let body = &mut self.world.solids[solid];
         body.particles_per_cell = body.cells.cell / points.spacing(dimension);
         if self.world.method.total {
-            self.world.solids[solid].cells.cover(points.list.iter().map(|point| point.place));
+            let cells = &mut self.world.solids[solid].cells;
+            cells.cover(points.list.iter().map(|point| point.place));
+            cells.lower = self.world.method.lower_limits(cells.lower);
         }
     }
 
@@ -249,12 +255,16 @@ impl Simulation {
             let (count, first, alike) = &mut moved[particles.solid[p] as usize];
             *count += 1;
             *alike &= *first.get_or_insert(by) == by;
+            let girth = method.girth(particles.reference_place(p));
             for (axis, column) in [Column::X0, Column::Y0, Column::Z0].into_iter().enumerate() {
                 particles.position[p][axis] += by[axis];
                 if let Some(reference) = particles.column_mut(column).get_mut(p) {
                     *reference += by[axis];
                 }
             }
+            let growth = method.girth(particles.reference_place(p)) / girth;
+            particles.position[p][3] *= growth;
+            particles.velocity[p][3] *= growth;
         }
         particles.reference.clear();
         let place = |p: usize| std::array::from_fn(|axis| particles.position[p][axis]);
@@ -267,8 +277,9 @@ impl Simulation {
                 (count, Some(by), true) if count == own.clone().count() => solid.cells.shift(by),
                 _ => solid.cells.cover(own.map(place)),
             }
+            solid.cells.lower = method.lower_limits(solid.cells.lower);
         }
-        Ok(true)
+        Ok((0..particles.len()).all(|p| method.girth(place(p)) > 0.0))
     }
 
     /// Removes the particles of a solid (`None`: of all) whose reference place is inside the region;

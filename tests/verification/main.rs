@@ -3,6 +3,7 @@
 //! Numbers and tolerances are those of the verification list; the reason for each tolerance
 //! stands beside it. Every test also runs a broken variant and sees it fail.
 
+mod axisymmetric;
 mod bar;
 mod combinations;
 mod convergence;
