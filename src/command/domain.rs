@@ -141,7 +141,8 @@ F33, J, tr L, every law and F-bar (d = 3) see the hoop.
 The axis: nodes at x = 0 have v_r = 0, always and after all fixes; no fix is needed there, and none
 can move it. Along the axis they are free. A box that begins at x > 0 has no axis: its first nodes
 are free. Regions that reach beyond the axis are cut there. With ASFLIP particles follow velocities
-of their own and may cross the axis, which stops a run of `ulmpm`.
+of their own and may cross the axis, which stops a run of `ulmpm` unless `boundary` says otherwise.
+Volumes of meshes, lists and rings are taken as areas; `translate_particles` makes V0 and m follow r.
 Uniform sigma_rr = sigma_tt pulls no node inside a body whose particles lie on their lattice: with
 hats exactly, with splines from the fourth node off the axis on.
 The stable time step is that of plane strain within 2 %. Stands above the solids.

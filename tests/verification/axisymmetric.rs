@@ -45,6 +45,36 @@ fn round(velocity: &str, steps: usize) -> Script {
 }
 
 #[test]
+fn masses_and_volumes_are_those_of_one_radian() {
+    // The midpoints of a lattice integrate r exactly: rho (R^2 - r^2)/2 times the height.
+    let round = round("0, 0", 0);
+    let body = |text: &str| round.clone().statement("region(body", text);
+    let far = body("region(body, block, 0.25, 0.5, 0.25, 0.625)");
+    let push = "translate_particles(s, region, everything, 0.25, 0.125, 0)\ngroup(nodes, nodes, region, everything)";
+    let cases = [
+        (body("region(body, block, INF, 0.375, 0.25, 0.625)"), 0.0, 0.375),
+        (body("region(body, block, -0.5, 0.375, 0.25, 0.625)"), 0.0, 0.375),
+        (far.clone(), 0.25, 0.5),
+        (far.statement("group(nodes", push), 0.5, 0.75),
+    ];
+    for method in ["ulmpm", "tlmpm"] {
+        for (script, inner, outer) in &cases {
+            let played = Way::flip(method, "linear").of(script.clone()).play(&[]);
+            let particles = &played.session.simulation.world.particles;
+            let volume = 0.5 * (outer * outer - inner * inner) * 0.375;
+            let mass: f64 = particles.position.iter().map(|x| x[3]).sum();
+            let found: f64 = particles.velocity.iter().map(|v| v[3]).sum();
+            assert!((mass / (1000.0 * volume) - 1.0).abs() < 1e-13, "{method} {inner}: {mass}");
+            assert!((found / volume - 1.0).abs() < 1e-13, "{method} {inner}: {found}");
+            for (x, v) in particles.position.iter().zip(&particles.velocity) {
+                // Each ring has the section (h/2)^2.
+                assert!((v[3] / x[0] * 1024.0 - 1.0).abs() < 1e-13, "{method}: {x:?} {v:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_homogeneous_motion_has_one_gradient_up_to_the_axis() {
     // v = (a r, b z + d r): F = I + dt L, hoop included. Round-off of sums of a few terms.
     let (a, b, d, dt) = (0.3, -0.4, 0.7, 1.0 / 1024.0);
