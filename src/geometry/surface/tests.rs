@@ -108,6 +108,18 @@ fn a_torus_agrees_with_the_solid_angle() {
     assert!(surface.contains([1.4, 0.0, 0.0]), "a vertex");
 }
 
+#[test]
+fn a_vertex_beside_the_point_counts_once() {
+    let [a, b, c, d] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    let tip = [0.5, 0.25, 1.0];
+    let pyramid =
+        [[a, b, tip], [b, c, tip], [c, d, tip], [d, a, tip], [a, c, b], [a, d, c]].to_vec();
+    let hollow = [cuboid([-2.0; 3], [2.0; 3]), reversed(&pyramid)].concat();
+    let surface = Surface::new(&hollow).expect("closed");
+    // The ray towards +x that finds the triangles around the point runs into the tip.
+    assert!(!surface.contains([-0.5, 0.25, 0.1]) && surface.contains([-0.5, 0.25, -0.1]));
+}
+
 /// Solid angle of the triangles seen from a point (van Oosterom and Strackee, IEEE Trans. Biomed.
 /// Eng. 30, 1983).
 fn solid_angle(triangles: &[Triangle], from: [f64; 3]) -> f64 {
