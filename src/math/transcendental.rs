@@ -93,6 +93,35 @@ pub fn power<V: Wide>(x: V, n: f64) -> V {
     V::splat(0.0).below(x, exp(V::splat(n) * ln(x)), at_zero)
 }
 
+/// (1 + u)^n for small u, by the binomial series: a quarter of the work of a [`power`].
+#[derive(Clone, Copy, Debug)]
+pub struct Growth {
+    /// Binomial coefficients of n over 0, 1, 2 ...
+    coefficients: [f64; 13],
+    /// The series holds for 0 <= u below this number.
+    limit: f64,
+}
+
+impl Growth {
+    /// The first term left out, binomial(n, 13) u^13, is below 1e-17 for n <= 2 and u <= 1/16;
+    /// for larger n the series is never used.
+    pub fn new(n: f64) -> Self {
+        let mut coefficients = [1.0; 13];
+        for k in 1..13 {
+            let above = k as f64 - 1.0;
+            coefficients[k] = coefficients[k - 1] * (n - above) / (above + 1.0);
+        }
+        Self { coefficients, limit: if n <= 2.0 { 1.0 / 16.0 } else { 0.0 } }
+    }
+
+    /// (1 + u)^n, and 1 where the series holds, 0 elsewhere (also where u is no number).
+    #[inline(always)]
+    pub fn factor<V: Wide>(&self, u: V) -> [V; 2] {
+        let holds = u.below(V::splat(self.limit), V::splat(1.0), V::splat(0.0));
+        [polynomial(&self.coefficients, u), holds]
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::v4::{Plain, Sweep, dispatch};
@@ -152,6 +181,24 @@ mod tests {
         let list = numbers();
         check(&dispatch(Everywhere(list.clone())), &list);
         check(&Everywhere(list.clone()).run::<Plain>(), &list);
+    }
+
+    #[test]
+    fn the_series_of_a_power_is_as_good_as_the_power() {
+        for n in [0.0, 0.31, 0.37, 1.0, 1.7, 2.0] {
+            let growth = Growth::new(n);
+            for k in 0..1000 {
+                let u = f64::from(k) / 16_000.0;
+                let [factor, holds] = growth.factor(Plain::splat(u)).map(|v| v.array()[0]);
+                let exact = (1.0 + u).powf(n);
+                assert_eq!(holds, 1.0);
+                assert!((factor / exact - 1.0).abs() < 5e-16, "{n} {u}: {factor} for {exact}");
+            }
+            for u in [1.0 / 16.0, 0.5, f64::INFINITY, f64::NAN] {
+                assert_eq!(growth.factor(Plain::splat(u))[1].array()[0], 0.0);
+            }
+        }
+        assert_eq!(Growth::new(2.5).factor(Plain::splat(0.0))[1].array()[0], 0.0);
     }
 
     #[test]

@@ -20,8 +20,9 @@ pub trait Flow: Copy {
     /// Y at rest.
     fn at_rest<V: Wide>(&self, strain: V) -> V;
 
-    /// Y(ep + dep, dep/dt) and its first and second derivatives by dep > 0.
-    fn moving<V: Wide>(&self, strain: V, increment: V, dt: f64) -> [V; 3];
+    /// Y(ep + dep, dep/dt) and its first and second derivatives by dep > 0; `rest` is Y of ep at
+    /// rest.
+    fn moving<V: Wide>(&self, strain: V, rest: V, increment: V, dt: f64) -> [V; 3];
 
     /// Distance of dep from the next point where Y is not smooth.
     fn smoothness<V: Wide>(&self, strain: V, increment: V, dt: f64) -> V;
@@ -111,9 +112,8 @@ pub(super) fn settle<V: Wide>(
     increment.store(&mut stages.increment[group]);
 }
 
-/// A change below this part of dep, and of its distance from the next rough point, is the last: the
-/// one after it would be its cube.
-const LAST_CHANGE: f64 = 1e-4;
+/// A step is the last when the error it leaves in the stress is below this part of q.
+const ACCURACY: f64 = 1e-13;
 
 /// Residuals below this part of q are round-off.
 const ROUND_OFF: f64 = 4e-15;
@@ -147,6 +147,8 @@ impl Groups {
 /// groups then overlap in the processor.
 struct Search {
     softening: Lane,
+    /// Y at rest.
+    rest: Lane,
     /// dep.
     increment: Lane,
     low: Lane,
@@ -157,8 +159,8 @@ struct Search {
 
 impl Default for Search {
     fn default() -> Self {
-        let [softening, increment, low, high, open] = [NOTHING; 5];
-        Self { softening, increment, low, high, open }
+        let [softening, rest, increment, low, high, open] = [NOTHING; 6];
+        Self { softening, rest, increment, low, high, open }
     }
 }
 
@@ -178,13 +180,14 @@ impl Search {
         for group in groups.iter() {
             let left = integrity::<V, DAMAGED>(state.lane(Column::Damage), group);
             let softening = left * law.softening(state, group);
-            let strength = softening * law.at_rest(state.four::<V>(Column::PlasticStrain, group));
-            let excess = V::load(&stages.equivalent[group]) - strength;
+            let rest = law.at_rest(state.four::<V>(Column::PlasticStrain, group));
+            let excess = V::load(&stages.equivalent[group]) - softening * rest;
             let high = zero.below(excess, excess / (left * V::splat(stiffness)), zero);
             // The rate of the last step is the best guess; at first none is as good as any.
             let guess: V = V::splat(dt) * state.four::<V>(Column::PlasticStrainRate, group);
             let guess = zero.below(guess, guess.smaller(high), high);
             softening.store(&mut self.softening[group]);
+            rest.store(&mut self.rest[group]);
             guess.store(&mut self.increment[group]);
             high.store(&mut self.high[group]);
             zero.below(excess, one, zero).store(&mut self.open[group]);
@@ -212,6 +215,7 @@ impl Search {
                     stiffness: intact * V::splat(stiffness),
                     softening: V::load(&self.softening[group]),
                     strain: state.four(Column::PlasticStrain, group),
+                    rest: V::load(&self.rest[group]),
                 };
                 let open = self.improve(law, group, &problem, dt);
                 left.list[left.count % GROUPS] = group as u8;
@@ -233,10 +237,10 @@ impl Search {
         problem: &Problem<V>,
         dt: f64,
     ) -> V {
-        let Problem { trial, stiffness, softening, strain } = *problem;
+        let Problem { trial, stiffness, softening, strain, rest } = *problem;
         let (zero, half) = (V::splat(0.0), V::splat(0.5));
         let (x, open) = (V::load(&self.increment[group]), V::load(&self.open[group]));
-        let [y, slope, curvature] = law.moving(strain, x, dt);
+        let [y, slope, curvature] = law.moving(strain, rest, x, dt);
         let residual = trial - stiffness * x - softening * y;
         let low = zero.below(residual, x, V::load(&self.low[group]));
         let high = residual.below(zero, x, V::load(&self.high[group]));
@@ -250,7 +254,9 @@ impl Search {
         // A particle that has settled stays, whatever its neighbours do.
         let x = zero.below(open, next, x);
         let smooth = law.smoothness(strain, x, dt).smaller(x);
-        let open = change.below(V::splat(LAST_CHANGE) * smooth, zero, open);
+        let error = remaining_error(softening * curvature.absolute(), d, change, smooth);
+        let enough = error.below(V::splat(4.0 * ACCURACY) * trial * d * smooth, zero, open);
+        let open = change.below(half * smooth, enough, open);
         let open = residual.absolute().below(V::splat(ROUND_OFF) * trial, zero, open);
         x.store(&mut self.increment[group]);
         low.store(&mut self.low[group]);
@@ -260,6 +266,17 @@ impl Search {
     }
 }
 
+/// What a step e of Halley's iteration leaves of the residual, times 4 d smooth.
+///
+/// The root is missed by e^3 |b^2 - Y'''/(6 d)| with b = Y''/(2 d). Powers and logarithms have
+/// Y''' below 3 Y''/smooth, smooth being the distance from the point where they are not smooth: the
+/// bound is e^3 b (b + 1/smooth).
+#[inline(always)]
+fn remaining_error<V: Wide>(curvature: V, d: V, change: V, smooth: V) -> V {
+    let cube = change * change * change;
+    cube * curvature * curvature.mul_add(smooth, d + d)
+}
+
 /// What does not change during the search, of four particles.
 #[derive(Clone, Copy)]
 struct Problem<V> {
@@ -267,4 +284,5 @@ struct Problem<V> {
     stiffness: V,
     softening: V,
     strain: V,
+    rest: V,
 }

@@ -4,7 +4,7 @@ use super::flow::{Flow, flow};
 use super::{BuildStrength, Strength};
 use crate::material::stages::Stages;
 use crate::material::{Chunk, State};
-use crate::math::transcendental::{ln, power};
+use crate::math::transcendental::{Growth, ln, power};
 use crate::math::v4::Wide;
 use crate::model::column::Column;
 use crate::script::arguments::Args;
@@ -110,19 +110,31 @@ impl Strength for JohnsonCook {
     }
 
     fn deviator(&self, damaged: bool, chunk: &mut Chunk<'_>, stages: &mut Stages) {
-        let shear = self.shear;
         match (self.softening > 0.0, self.sensitivity > 0.0) {
-            (true, true) => flow(Factors::<true, true>(*self), shear, damaged, chunk, stages),
-            (true, false) => flow(Factors::<true, false>(*self), shear, damaged, chunk, stages),
-            (false, true) => flow(Factors::<false, true>(*self), shear, damaged, chunk, stages),
-            (false, false) => flow(Factors::<false, false>(*self), shear, damaged, chunk, stages),
+            (true, true) => self.flow::<true, true>(damaged, chunk, stages),
+            (true, false) => self.flow::<true, false>(damaged, chunk, stages),
+            (false, true) => self.flow::<false, true>(damaged, chunk, stages),
+            (false, false) => self.flow::<false, false>(damaged, chunk, stages),
         }
     }
 }
 
-/// The law with those of the factors of heat and of rate that are switched on.
+impl JohnsonCook {
+    fn flow<const HEAT: bool, const RATE: bool>(
+        &self,
+        damaged: bool,
+        chunk: &mut Chunk<'_>,
+        stages: &mut Stages,
+    ) {
+        let law = Factors::<HEAT, RATE>(*self, Growth::new(self.exponent));
+        flow(law, self.shear, damaged, chunk, stages);
+    }
+}
+
+/// The law with those of the factors of heat and of rate that are switched on, and the growth of
+/// its hardening B ep^n.
 #[derive(Clone, Copy)]
-struct Factors<const HEAT: bool, const RATE: bool>(JohnsonCook);
+struct Factors<const HEAT: bool, const RATE: bool>(JohnsonCook, Growth);
 
 impl<const HEAT: bool, const RATE: bool> Factors<HEAT, RATE> {
     #[inline(always)]
@@ -160,12 +172,17 @@ impl<const HEAT: bool, const RATE: bool> Flow for Factors<HEAT, RATE> {
     }
 
     #[inline(always)]
-    fn moving<V: Wide>(&self, strain: V, increment: V, dt: f64) -> [V; 3] {
-        let (zero, one) = (V::splat(0.0), V::splat(1.0));
+    fn moving<V: Wide>(&self, strain: V, rest: V, increment: V, dt: f64) -> [V; 3] {
+        let (zero, one, initial) = (V::splat(0.0), V::splat(1.0), V::splat(self.0.initial));
+        let [factor, near] = self.1.factor(increment / strain);
         let strain = strain + increment;
         let inverse = one / strain;
-        let hardened = V::splat(self.0.hardening) * power(strain, self.0.exponent);
-        let stress = V::splat(self.0.initial) + hardened;
+        let mut hardened = (rest - initial) * factor;
+        if near.any_below(one) {
+            let raised = V::splat(self.0.hardening) * power(strain, self.0.exponent);
+            hardened = zero.below(near, hardened, raised);
+        }
+        let stress = initial + hardened;
         let slope = V::splat(self.0.exponent) * hardened * inverse;
         let curvature = V::splat(self.0.exponent - 1.0) * slope * inverse;
         if !RATE {

@@ -89,7 +89,7 @@ impl Flow for Swift {
     }
 
     #[inline(always)]
-    fn moving<V: Wide>(&self, strain: V, increment: V, _dt: f64) -> [V; 3] {
+    fn moving<V: Wide>(&self, strain: V, _rest: V, increment: V, _dt: f64) -> [V; 3] {
         let beyond = self.beyond(strain + increment);
         let inverse = V::splat(1.0) / beyond.larger(V::splat(1e-150));
         let hardened = V::splat(self.hardening) * power(beyond, self.exponent);
