@@ -91,6 +91,12 @@ pub const COMMANDS: &[Style<Read>] = &[
         "another word for anti_locking",
         method::anti_volumetric_locking,
     ),
+    row(
+        "thermal_blend",
+        "a",
+        "temperatures from increments (1) or interpolation (0), 0.99",
+        method::thermal_blend,
+    ),
     explained(
         row(
             "boundary",
@@ -191,7 +197,6 @@ of volume r dr dtheta (dx), inside region and box; (c1, c2) as for the region st
     reserved("restart", "N, file", "a restart file every N steps"),
     reserved("write_restart", "file", "a restart file now"),
     reserved("read_restart", "file", "goes on from a restart file"),
-    reserved("thermal_blend", "a", "the blend of temperatures"),
     reserved("include", "file", "the text of another script"),
     reserved("partition_domain", "...", "cuts the box for ranks"),
     reserved("dump_modify", "...", "changes a dump"),

@@ -1,6 +1,8 @@
 //! Computes: numbers about particles, evaluated when read (language.md 6.7).
 
 pub mod angular_momentum;
+pub mod average_stress;
+pub mod average_temperature;
 pub mod average_velocity;
 pub mod energy;
 pub mod max_plastic_strain;
@@ -36,18 +38,6 @@ pub const COMPUTES: &[Style<BuildCompute>] = &[
     max_plastic_strain::STYLE,
     angular_momentum::STYLE,
     max_position::STYLE,
-    Style {
-        name: "average_stress",
-        usage: "",
-        summary: "mean Cauchy stress by volume",
-        manual: "",
-        build: None,
-    },
-    Style {
-        name: "average_temperature",
-        usage: "",
-        summary: "mean temperature by mass",
-        manual: "",
-        build: None,
-    },
+    average_stress::STYLE,
+    average_temperature::STYLE,
 ];

@@ -8,6 +8,8 @@ pub mod force_nodes;
 pub mod initial_stress;
 pub mod initial_velocity_nodes;
 pub mod initial_velocity_particles;
+pub mod temperature_nodes;
+pub mod temperature_particles;
 pub mod velocity_nodes;
 pub mod velocity_particles;
 
@@ -86,6 +88,8 @@ pub struct Target {
     pub span: Span,
     /// 1, 2 or 3.
     pub dimension: usize,
+    /// Nodes have a temperature: heat is conducted.
+    pub conducts_heat: bool,
 }
 
 impl Target {
@@ -127,8 +131,8 @@ pub const FIXES: &[Style<BuildFix>] = &[
     energy::KINETIC,
     energy::STRAIN,
     check_solution::STYLE,
-    reserved("temperature_nodes", "T", "prescribes nodal temperatures"),
-    reserved("temperature_particles", "T", "prescribes temperatures of particles"),
+    temperature_nodes::STYLE,
+    temperature_particles::STYLE,
     reserved("contact/hertz", "s1, s2", "Hertzian contact of two solids"),
     reserved("contact/minimize_penetration", "s1, s2, mu", "contact without overlap"),
     reserved("contact/minimize_penetration/plane", "", "contact with a plane"),

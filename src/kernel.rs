@@ -14,6 +14,7 @@
 //! they run in parallel and every sum has one order for any number of threads.
 
 pub mod chunk;
+pub mod conduction;
 pub mod dilation;
 pub mod filter;
 pub mod gather;

@@ -98,13 +98,42 @@ pub struct Elastic {
     pub lambda: f64,
     /// G = E/(2 (1 + nu)) \[P\].
     pub shear: f64,
+    /// Heat capacity and conductivity, if they are given.
+    pub thermal: Thermal,
+}
+
+/// How a material stores and conducts heat (language.md 7.6).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Thermal {
+    /// Heat capacity per mass cp \[L^2/(T^2 K)\]; 0: the material has no temperature of its own.
+    pub capacity: f64,
+    /// Conductivity kappa \[M L/(T^3 K)\]: the flux of heat is -kappa grad T.
+    pub conductivity: f64,
+}
+
+impl Thermal {
+    /// Reads `cp, kappa`.
+    fn read(args: &mut Args<'_>) -> Result<Self, Diagnostic> {
+        let capacity = args.positive("the heat capacity cp")?.value;
+        let conductivity = args.within("the conductivity kappa", 0.0, f64::INFINITY)?.value;
+        Ok(Self { capacity, conductivity })
+    }
+
+    /// Diffusivity kappa/(rho cp) \[L^2/T\]; 0 without a heat capacity.
+    pub fn diffusivity(&self, density: f64) -> f64 {
+        match self.capacity > 0.0 {
+            true => self.conductivity / (density * self.capacity),
+            false => 0.0,
+        }
+    }
 }
 
 impl Elastic {
     /// From density, Young's modulus and Poisson's ratio.
     pub fn new(density: f64, young: f64, poisson: f64) -> Self {
         let lambda = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
-        Self { density, lambda, shear: young / (2.0 * (1.0 + poisson)) }
+        let shear = young / (2.0 * (1.0 + poisson));
+        Self { density, lambda, shear, thermal: Thermal::default() }
     }
 
     /// Bulk modulus K = lambda + 2 G/3 \[P\].
@@ -128,16 +157,11 @@ impl Elastic {
         Ok(Self::new(density.value, young.value, poisson.value))
     }
 
-    /// Reads `rho, E, nu` and nothing else.
+    /// Reads `rho, E, nu [, cp, kappa]`.
     fn read(args: &mut Args<'_>) -> Result<Self, Diagnostic> {
-        let elastic = Self::read_moduli(args)?;
+        let mut elastic = Self::read_moduli(args)?;
         if args.remaining() > 0 {
-            return Err(Diagnostic::error(
-                Code::NotAvailable,
-                args.next_span(),
-                "heat capacity and conductivity are known, but not available yet",
-            )
-            .label("not available yet"));
+            elastic.thermal = Thermal::read(args)?;
         }
         Ok(elastic)
     }
@@ -201,6 +225,11 @@ pub trait Law: Send + Sync {
     /// Temperature \[K\] of a solid whose script gives none.
     fn initial_temperature(&self) -> f64 {
         0.0
+    }
+
+    /// Heat capacity and conductivity; with a capacity the temperature of particles is stored.
+    fn thermal(&self) -> Thermal {
+        Thermal::default()
     }
 
     /// Internal energy e \[P\] of particle `p`.

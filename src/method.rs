@@ -13,6 +13,8 @@ pub struct Method {
     pub shape: ShapeKind,
     /// F-bar: the volumetric part of L is averaged over the grid.
     pub averaged_dilation: bool,
+    /// `thermo-mechanical`: heat is conducted on the nodes.
+    pub conducts_heat: bool,
     /// Two-dimensional bodies of revolution: x is the radius, y lies along the axis, and masses
     /// and volumes are those of one radian.
     pub axisymmetric: bool,

@@ -11,7 +11,7 @@ use crate::kernel::gather::{self, Gather};
 use crate::kernel::points::{self, Points};
 use crate::kernel::sort::Sorter;
 use crate::kernel::tiles::{Report, Tiles};
-use crate::kernel::{dilation, filter, grid, scatter, walls};
+use crate::kernel::{conduction, dilation, filter, grid, scatter, walls};
 use crate::measure::{self, Captured};
 use crate::model::clock::Clock;
 use crate::model::column::Column;
@@ -165,7 +165,7 @@ impl Parts<'_> {
         self.loops.timing.end(Phase::PointsToGrid);
     }
 
-    /// External forces of particles go to the nodes; H2; sums of nodal forces are taken.
+    /// External forces and heat of particles go to the nodes; H2; sums of nodal forces are taken.
     ///
     /// # Errors
     /// The first fault of a fix.
@@ -175,12 +175,15 @@ impl Parts<'_> {
         if self.plan.columns.contains(Column::Bx) && self.hooks.any(&[Stage::InitialIntegrate]) {
             scatter::external_forces(&mut self.loops.tiles, self.world);
         }
+        if self.world.grid.keeps.temperature {
+            conduction::collect(&mut self.loops.tiles, self.world);
+        }
         self.act(Stage::PostParticlesToGrid)?;
         self.captured.external(self.world);
         Ok(())
     }
 
-    /// Lines 7 and 8: v*, then H3.
+    /// Lines 7 and 8: v* and T*, then H3.
     ///
     /// # Errors
     /// The first fault of a fix.
@@ -188,6 +191,9 @@ impl Parts<'_> {
         let tiles = &mut self.loops.tiles;
         grid::update(&mut self.world.grid, tiles.parallel, self.clock.dt);
         self.world.grid.held.clear();
+        if self.world.grid.keeps.temperature {
+            conduction::conduct(&mut self.loops.tiles, self.world, self.clock.dt);
+        }
         self.loops.timing.end(Phase::Grid);
         self.act(Stage::PostUpdateGridState)?;
         self.hold_axis();
@@ -209,8 +215,13 @@ impl Parts<'_> {
     /// again before they can leave their tile.
     ///
     /// # Errors
-    /// A velocity that is not finite, or the first fault of a fix.
+    /// A velocity or temperature that is not finite, or the first fault of a fix.
     pub fn grid_to_points(&mut self, second_mapping: bool) -> Result<(), Fault> {
+        if self.world.grid.keeps.temperature
+            && !conduction::gather(&mut self.loops.tiles, self.world)
+        {
+            return Err(watch::too_hot(self.world, &self.clock));
+        }
         let split = self.hooks.any(&[Stage::PostGridToPoint, Stage::PostAdvanceParticles]);
         let numbers = Gather::new(&self.transfer, self.clock.dt, second_mapping && !split);
         let mut report = gather::sweep(&mut self.loops.tiles, self.world, numbers);

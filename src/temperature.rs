@@ -2,8 +2,8 @@
 
 pub mod plastic_work;
 
-use crate::material::Chunk;
 use crate::material::stages::Stages;
+use crate::material::{Chunk, Thermal};
 use crate::math::v4::Wide;
 use crate::script::arguments::Args;
 use crate::script::diagnostic::Diagnostic;
@@ -20,6 +20,9 @@ pub const TEMPERATURE: &[Style<BuildTemperature>] = &[plastic_work::STYLE];
 pub trait Temperature: Send + Sync {
     /// T0 \[K\], where a solid does not say otherwise.
     fn initial(&self) -> f64;
+
+    /// Heat capacity and conductivity.
+    fn thermal(&self) -> Thermal;
 
     /// Adds the thermal pressure, from the bulk modulus K \[P\].
     fn add_pressure(&self, bulk: f64, chunk: &Chunk<'_>, stages: &mut Stages);

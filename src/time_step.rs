@@ -13,6 +13,8 @@ pub enum Limit {
     Acoustic,
     /// Viscous momentum may not cross more than a cell: 3 rho h^2/(8 d mu).
     Viscous,
+    /// Heat may not cross more than a cell: rho cp h^2/(2 d kappa).
+    Thermal,
     /// det(I + dt L) stays positive: 0.3/||L||.
     Rate,
     /// A step is at most 1.1 times the one before.
@@ -28,6 +30,7 @@ impl Limit {
             Limit::Fixed => "fixed",
             Limit::Acoustic => "acoustic",
             Limit::Viscous => "viscous",
+            Limit::Thermal => "thermal",
             Limit::Rate => "rate",
             Limit::Growth => "growth",
             Limit::End => "end",
@@ -73,15 +76,17 @@ pub fn is_fragile(transfer: &Transfer, usl: bool, shape: ShapeKind) -> bool {
     !shape.is_spline() && (usl || transfer.is_affine())
 }
 
-/// The stable step for what the last sweep found: f h s/(c + |v|), f 3 rho h^2/(8 d mu) and
-/// 0.3/||L||.
+/// The stable step for what the last sweep found: f h s/(c + |v|), f 3 rho h^2/(8 d mu),
+/// f rho cp h^2/(2 d kappa) and 0.3/||L||.
 pub fn stable(report: &Report, cell: f64, dimension: usize, factor: f64) -> TimeStep {
     let cell = cell * report.thinnest.sqrt();
     let acoustic = factor * cell / report.fastest;
     let viscous = factor * 3.0 * cell * cell / (8.0 * dimension as f64 * report.viscosity);
+    let thermal = factor * cell * cell / (2.0 * dimension as f64 * report.diffusivity);
     let rate = RATE / report.rate.sqrt();
     let mut least = TimeStep { dt: acoustic, limit: Limit::Acoustic };
-    for (dt, limit) in [(viscous, Limit::Viscous), (rate, Limit::Rate)] {
+    let others = [(viscous, Limit::Viscous), (thermal, Limit::Thermal), (rate, Limit::Rate)];
+    for (dt, limit) in others {
         if dt < least.dt {
             least = TimeStep { dt, limit };
         }
@@ -132,6 +137,15 @@ mod tests {
         let exact = 0.9 * 3.0 * 0.25 / (8.0 * 2.0 * 6.0);
         let found = stable(&report, 0.5, 2, 0.9);
         assert_eq!(found.limit, Limit::Viscous);
+        assert!((found.dt - exact).abs() < 1e-15);
+    }
+
+    #[test]
+    fn conduction_bounds_the_step() {
+        let report = Report { fastest: 1.0, diffusivity: 6.0, ..Report::default() };
+        let exact = 0.9 * 0.25 / (2.0 * 3.0 * 6.0);
+        let found = stable(&report, 0.5, 3, 0.9);
+        assert_eq!(found.limit, Limit::Thermal);
         assert!((found.dt - exact).abs() < 1e-15);
     }
 

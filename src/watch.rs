@@ -2,6 +2,7 @@
 
 use crate::fault::Fault;
 use crate::model::clock::Clock;
+use crate::model::column::Column;
 use crate::world::World;
 
 /// "particle 12 of solid `ball` at (x, y) with velocity (vx, vy)".
@@ -31,6 +32,15 @@ pub fn not_finite(world: &World, clock: &Clock) -> Fault {
     let who = lost.map_or_else(|| "a particle".to_string(), |p| describe(world, p));
     Fault::run(format!("the velocity is not finite: {who}; {}", when(clock)))
         .because("the time step is too large, or a formula or a stiffness has run away; try a smaller `set_dt` or `dt_factor`")
+}
+
+/// Some temperature is not a finite number.
+pub fn too_hot(world: &World, clock: &Clock) -> Fault {
+    let lost = world.particles.column(Column::Temperature).iter().position(|t| !t.is_finite());
+    let who = lost.map_or_else(|| "a particle".to_string(), |p| describe(world, p));
+    Fault::run(format!("the temperature is not finite: {who}; {}", when(clock))).because(
+        "the time step is too large for the conductivity; try a smaller `set_dt` or `dt_factor`",
+    )
 }
 
 /// A law reports det F <= 0 or a stress that is not finite.

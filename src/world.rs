@@ -29,6 +29,25 @@ pub struct Solid {
     pub cells: Domain,
     /// Columns that its law and kinematics read and write.
     pub columns: ColumnSet,
+    /// What spreads in it and so limits the time step.
+    pub spreading: Spreading,
+}
+
+/// Diffusivities \[L^2/T\] of the reference density.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spreading {
+    /// Kinematic viscosity mu/rho0.
+    pub viscosity: f64,
+    /// Thermal diffusivity kappa/(rho0 cp); 0 where heat is not conducted.
+    pub heat: f64,
+}
+
+impl Spreading {
+    /// Of a law, in a run that conducts heat or not.
+    pub fn new(law: &dyn Law, conducts_heat: bool) -> Self {
+        let heat = if conducts_heat { law.thermal().diffusivity(law.density()) } else { 0.0 };
+        Self { viscosity: law.viscosity() / law.density(), heat }
+    }
 }
 
 /// Everything that has a place.
@@ -49,6 +68,8 @@ pub struct World {
     pub rate: StressRate,
     /// What happens to particles that leave the box.
     pub boundary: Boundary,
+    /// How temperatures pass from nodes to particles: 1 by increments, 0 by interpolation.
+    pub thermal_blend: f64,
 }
 
 thread_local! {

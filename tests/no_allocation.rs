@@ -57,7 +57,8 @@ fn disk(
     let domain = Domain { dimension: 2, lower, upper, cell: 0.05 };
     let mut simulation = Simulation::new(domain, Outputs::silent());
     let averaged_dilation = shape != ShapeKind::Linear;
-    simulation.set_method(Method { total, shape, averaged_dilation, axisymmetric });
+    let method = Method { total, shape, averaged_dilation, axisymmetric, ..Method::default() };
+    simulation.set_method(method);
     simulation.set_scheme(scheme);
     simulation.transfer = transfer;
     let disk = Sphere { dimension: 2, centre: [0.5, 0.5, 0.0], radius: 0.3 };

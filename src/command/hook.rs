@@ -19,6 +19,7 @@ fn target(args: &mut Args<'_>, scene: &Scene, id: &str) -> Result<Target, Diagno
         kind: entry.kind,
         span: group.span,
         dimension,
+        conducts_heat: scene.method.is_some_and(|choice| choice.method.conducts_heat),
     })
 }
 

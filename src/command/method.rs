@@ -68,10 +68,11 @@ pub fn method(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnost
     let kind = transfer_kind(args)?;
     let shape = shape(args)?;
     let mut transfer = blend(args, kind, None)?;
+    let mut conducts_heat = false;
     while args.remaining() > 0 {
-        option(args, &mut transfer)?;
+        conducts_heat |= option(args, &mut transfer)?;
     }
-    let method = Method { total, shape: shape.1, ..Method::default() };
+    let method = Method { total, shape: shape.1, conducts_heat, ..Method::default() };
     check_combination(&method, &transfer, &word, shape.0)?;
     let choice = Choice { method, transfer };
     scene.method = Some(choice);
@@ -123,8 +124,8 @@ pub fn blend(
     Ok(transfer)
 }
 
-/// Reads one option of `method`.
-fn option(args: &mut Args<'_>, transfer: &mut Transfer) -> Result<(), Diagnostic> {
+/// Reads one option of `method`; tells whether it lets heat be conducted.
+fn option(args: &mut Args<'_>, transfer: &mut Transfer) -> Result<bool, Diagnostic> {
     let known = ["mechanical", "gradient-enhanced", "thermo-mechanical"];
     let cpdi = ["R4", "Q4", "T3", "R8", "H8", "Tet4"];
     let number = args.peek().is_some_and(|word| word.parse::<f64>().is_ok());
@@ -134,7 +135,7 @@ fn option(args: &mut Args<'_>, transfer: &mut Transfer) -> Result<(), Diagnostic
             .label("an argument too many"));
     }
     let all: Vec<&str> = known.into_iter().chain(cpdi).collect();
-    let word = available(args, "method option", &all, &known[..2])?;
+    let word = available(args, "method option", &all, &known)?;
     if word.text == "gradient-enhanced" {
         use TransferKind::{Flip, Pic, Xpic};
         if !matches!(transfer.kind, Pic | Flip | Xpic(_)) {
@@ -144,7 +145,7 @@ fn option(args: &mut Args<'_>, transfer: &mut Transfer) -> Result<(), Diagnostic
         }
         transfer.gradient_enhanced = true;
     }
-    Ok(())
+    Ok(word.text == "thermo-mechanical")
 }
 
 /// Refuses what language.md 6.2 refuses.
@@ -220,6 +221,19 @@ pub fn scheme(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnost
     scene.scheme = scheme.kind();
     warn_if_fragile(args, scene);
     Ok(action(move |session| session.simulation.set_scheme(scheme)))
+}
+
+/// `thermal_blend(a)`
+pub fn thermal_blend(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    let blend = args.within("the blend of temperatures", 0.0, 1.0)?.value;
+    if scene.method.is_some_and(|choice| !choice.method.conducts_heat) {
+        let message = "`thermal_blend` has no effect in a `mechanical` run";
+        args.remarks.push(
+            Diagnostic::warning(Code::NoEffect, args.command.span, message)
+                .label("heat is conducted with the option `thermo-mechanical` of `method`"),
+        );
+    }
+    Ok(action(move |session| session.simulation.world.thermal_blend = blend))
 }
 
 /// `anti_locking(none|fbar)`

@@ -58,6 +58,7 @@ pub fn translate_particles(args: &mut Args<'_>, scene: &mut Scene) -> Result<Act
         kind: GroupKind::Particles,
         span: name.span,
         dimension: scene.need_domain(args.command)?.dimension,
+        conducts_heat: scene.method.is_some_and(|choice| choice.method.conducts_heat),
     };
     let by = Components::read(args, &target, ["dx", "dy", "dz"])?;
     let moved_out = Diagnostic::error(Code::Range, name.span, "a particle would leave the box")

@@ -337,7 +337,7 @@ impl<'a, const D: usize, const W: usize, const ROUND: bool, S: Shape<W>> Part<'a
         law.wave_speed(&self.scratch.state, &mut speed);
         law.stiffen(&self.scratch.chunk(self.points.dt), &mut speed);
         let Scratch { state, gradient, .. } = &mut *self.scratch;
-        self.report.flow(law.viscosity() / law.density(), state);
+        self.report.spread(self.solid.spreading, state);
         let mut fastest = V::splat(self.report.fastest);
         let velocity = &self.seen.velocity[self.range.clone()];
         for (wave, v) in speed.as_flattened().iter().zip(velocity) {
@@ -447,7 +447,7 @@ pub fn at_rest(world: &World) -> Vec<Report> {
         let number = world.particles.solid[range.start] as usize;
         let report = &mut reports[if world.method.total { number } else { 0 }];
         solid.law.wave_speed(state, &mut speed);
-        report.flow(solid.law.viscosity() / solid.law.density(), state);
+        report.spread(solid.spreading, state);
         for (speed, v) in speed.as_flattened().iter().zip(&world.particles.velocity[range]) {
             let fastest = speed + v[0].abs().max(v[1].abs()).max(v[2].abs());
             report.fastest = report.fastest.max(fastest);

@@ -251,13 +251,15 @@ fn resize(grid: &mut Grid, count: usize) {
         array.clear();
         array.resize(count, T::default());
     }
-    let Keeps { external, displaced, filtered, dilation } = grid.keeps;
+    let Keeps { external, displaced, filtered, dilation, temperature } = grid.keeps;
     zeros::<Node>(&mut grid.nodes, count);
     zeros(&mut grid.mapped, count);
     zeros(&mut grid.external, if external { count } else { 0 });
     zeros(&mut grid.displaced, if displaced { count } else { 0 });
     zeros(&mut grid.filtered, if filtered { count } else { 0 });
     zeros(&mut grid.dilation, if dilation { count } else { 0 });
+    zeros(&mut grid.temperature, if temperature { count } else { 0 });
+    zeros(&mut grid.heating, if temperature { count } else { 0 });
 }
 
 /// column[place] <- column[keys[place].from], through a spare column.

@@ -227,6 +227,30 @@ impl<const D: usize, const W: usize> Stencil<D, W> {
         (sum, zero)
     }
 
+    /// q_I += flux . dN/dr of one particle.
+    #[inline(always)]
+    pub fn add_divergence(&self, flux: [f64; 4], mut nodes: RowsMut<'_, f64, D, W>) {
+        let (last, across) = (D - 1, Self::ACROSS);
+        let Weights { value, slope, .. } = &self.axes;
+        for i in 0..Self::PLANES {
+            let (along, steep_along) = match D {
+                3 => (value[i][0], slope[i][0]),
+                _ => (1.0, 0.0),
+            };
+            for j in 0..Self::ROWS {
+                let (mut steep, mut flat) = (flux[last] * along, flux[0] * steep_along);
+                if D > 1 {
+                    steep *= value[j][across];
+                    flat = flat * value[j][across] + flux[across] * along * slope[j][across];
+                }
+                let row = nodes.row(i, j);
+                for k in 0..W {
+                    row[k] += steep * slope[k][last] + flat * value[k][last];
+                }
+            }
+        }
+    }
+
     /// sum N q of one particle.
     #[inline(always)]
     pub fn average(&self, nodes: &[f64]) -> f64 {

@@ -10,6 +10,7 @@ use crate::material::State;
 use crate::model::column::Column;
 use crate::model::domain::Domain;
 use crate::shape::ShapeKind;
+use crate::world::Spreading;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -44,6 +45,8 @@ pub struct Report {
     pub rate: f64,
     /// Largest kinematic viscosity mu/rho \[L^2/T\].
     pub viscosity: f64,
+    /// Largest thermal diffusivity kappa/(rho cp) \[L^2/T\].
+    pub diffusivity: f64,
     /// Particles compressed beyond what their equation of state can describe.
     pub clipped: usize,
     /// Place in the table of the first particle whose law failed.
@@ -61,6 +64,7 @@ impl Default for Report {
             thinnest: 1.0,
             rate: 0.0,
             viscosity: 0.0,
+            diffusivity: 0.0,
             clipped: 0,
             failed: None,
             escaped: None,
@@ -69,11 +73,13 @@ impl Default for Report {
 }
 
 impl Report {
-    /// Notes the kinematic viscosity of particles, from that of the reference density.
-    pub fn flow(&mut self, of_reference: f64, state: &State) {
-        if of_reference > 0.0 {
+    /// Notes how fast momentum and heat spread, from the reference density: mu J/rho0 and
+    /// kappa J/(rho0 cp).
+    pub fn spread(&mut self, of_reference: Spreading, state: &State) {
+        if of_reference.viscosity > 0.0 || of_reference.heat > 0.0 {
             let thinnest = state.values(Column::J).iter().fold(0.0f64, |a, j| a.max(*j));
-            self.viscosity = self.viscosity.max(of_reference * thinnest);
+            self.viscosity = self.viscosity.max(of_reference.viscosity * thinnest);
+            self.diffusivity = self.diffusivity.max(of_reference.heat * thinnest);
         }
     }
 
@@ -86,6 +92,7 @@ impl Report {
             thinnest: self.thinnest.min(other.thinnest),
             rate: self.rate.max(other.rate),
             viscosity: self.viscosity.max(other.viscosity),
+            diffusivity: self.diffusivity.max(other.diffusivity),
             clipped: self.clipped + other.clipped,
             failed: self.failed.or(other.failed),
             escaped: self.escaped.or(other.escaped),

@@ -1,7 +1,7 @@
 //! Pressure from an equation of state, deviator from a strength law.
 
 use super::stages::{Stages, add_viscosity, assemble, stiffen, weaken_tension};
-use super::{BuildMaterial, Chunk, Family, Lane, Law, NOTHING, State, write_strain};
+use super::{BuildMaterial, Chunk, Family, Lane, Law, NOTHING, State, Thermal, write_strain};
 use crate::damage::Damage;
 use crate::eos::Eos;
 use crate::math::tensor::Tensor;
@@ -145,6 +145,10 @@ impl Law for EosStrength {
 
     fn initial_temperature(&self) -> f64 {
         self.temperature.as_ref().map_or(0.0, |law| law.initial())
+    }
+
+    fn thermal(&self) -> Thermal {
+        self.temperature.as_ref().map_or_else(Thermal::default, |law| law.thermal())
     }
 
     fn internal_energy(&self, state: &State, p: usize) -> f64 {

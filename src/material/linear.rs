@@ -1,7 +1,7 @@
 //! Hypoelasticity with constant moduli.
 
 use super::state::{STRESS, load_tensor};
-use super::{Chunk, Elastic, Lane, Law, State, write_strain};
+use super::{Chunk, Elastic, Lane, Law, State, Thermal, write_strain};
 use crate::math::tensor::Tensor;
 use crate::math::v4::{Sweep, Wide, dispatch};
 use crate::model::column::{Column, ColumnSet};
@@ -17,6 +17,8 @@ pub const STYLE: Style<super::BuildMaterial> = Style {
 sigma <- Q sigma Q^T + dt (lambda tr D I + 2 G D), with D = sym L and the rotation Q of
 `stress_rate` (language.md 9.2). rho [M/L^d], E [P], -1 < nu < 0.5.
 Wave speed sqrt((K + 4 G/3)/rho). Stored energy V sigma : C^-1 sigma/2.
+cp [L^2/(T^2 K)] and kappa [M L/(T^3 K)] go together: particles then store a temperature, which
+`thermo-mechanical` runs conduct.
 Source: de Vaucorbeil et al. 2020, eq. 2.5.",
     build: Some(|args, _| Ok(Arc::new(Linear(Elastic::read(args)?)))),
 };
@@ -58,7 +60,7 @@ impl Law for Linear {
     }
 
     fn wave_speed(&self, state: &State, out: &mut Lane) {
-        let Elastic { density, lambda, shear } = self.0;
+        let Elastic { density, lambda, shear, .. } = self.0;
         let modulus = (lambda + 2.0 * shear) / density;
         for group in state.groups() {
             out[group] = state.lane(Column::J)[group].map(|jacobian| (modulus * jacobian).sqrt());
@@ -75,6 +77,10 @@ impl Law for Linear {
 
     fn elastic_strain(&self, state: &State, out: &mut [Lane; 6]) {
         write_strain(state, out, |p| self.strain(&state.stress(p)));
+    }
+
+    fn thermal(&self) -> Thermal {
+        self.0.thermal
     }
 
     fn accepts_initial_stress(&self) -> bool {

@@ -1,7 +1,7 @@
 //! Compressible neo-Hookean elasticity.
 
 use super::state::STRESS;
-use super::{Chunk, Elastic, Lane, Law, State, write_strain};
+use super::{Chunk, Elastic, Lane, Law, State, Thermal, write_strain};
 use crate::math::tensor::Tensor;
 use crate::math::v4::{Sweep, Wide, dispatch};
 use crate::math::wide::{Four, product_transposed, squared_stretches};
@@ -19,6 +19,8 @@ P = G (F - F^-T) + lambda ln J F^-T, sigma = P F^T/J = (G (F F^T - I) + lambda l
 Stored energy per reference volume W = G/2 (tr F^T F - 3 - 2 ln J) + lambda/2 ln^2 J.
 rho [M/L^d], E [P], -1 < nu < 0.5. Wave speed
 sqrt((G (1 + s^2) + lambda (1 - ln J))/(J rho)), s the largest singular value of F.
+cp [L^2/(T^2 K)] and kappa [M L/(T^3 K)] go together: particles then store a temperature, which
+`thermo-mechanical` runs conduct.
 Source: de Vaucorbeil et al. 2020; language.md 9.3, 9.5.",
     build: Some(|args, _| Ok(Arc::new(NeoHookean(Elastic::read(args)?)))),
 };
@@ -82,6 +84,10 @@ impl Law for NeoHookean {
         });
     }
 
+    fn thermal(&self) -> Thermal {
+        self.0.thermal
+    }
+
     fn accepts_initial_stress(&self) -> bool {
         false
     }
@@ -135,7 +141,7 @@ impl<const D: usize> Sweep for Speed<'_, D> {
 
     #[inline(always)]
     fn run<V: Wide>(self) {
-        let Elastic { density, lambda, shear } = self.elastic;
+        let Elastic { density, lambda, shear, .. } = self.elastic;
         let one = V::splat(1.0);
         for group in self.state.groups() {
             let f: Four<V> = self.state.deformation_of_four(group);

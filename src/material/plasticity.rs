@@ -4,7 +4,7 @@ use super::eos_strength::EosStrength;
 use super::point::Point;
 use super::stages::Stages;
 use super::von_mises::VonMises;
-use super::{Chunk, Description, Elastic, Law, NOTHING, State, StressRate};
+use super::{Chunk, Description, Elastic, Law, NOTHING, State, StressRate, Thermal};
 use crate::damage::Damage;
 use crate::damage::damage_johnson_cook::DamageJohnsonCook;
 use crate::eos::{self, Eos, shock::Shock};
@@ -50,7 +50,13 @@ fn shock() -> Shock {
 }
 
 fn heat() -> PlasticWork {
-    PlasticWork { part: 0.9, capacity: 383.0, expansion: 0.0, initial: 298.0, melting: 1356.0 }
+    PlasticWork {
+        part: 0.9,
+        thermal: Thermal { capacity: 383.0, conductivity: 0.0 },
+        expansion: 0.0,
+        initial: 298.0,
+        melting: 1356.0,
+    }
 }
 
 fn of(eos: impl Eos + 'static, strength: impl Strength + 'static) -> EosStrength {
@@ -209,7 +215,8 @@ fn molten_and_strengthless_matter_carries_no_deviator() {
 fn uniaxial_strain_of_a_perfectly_plastic_solid_has_its_closed_form() {
     let (bulk, shear, yield_stress) = (1e11, 5e10, 3e8);
     let law = of(soft(bulk), Plastic { shear, yield_stress });
-    let elastic = Elastic { density: 8960.0, lambda: bulk - 2.0 / 3.0 * shear, shear };
+    let lambda = bulk - 2.0 / 3.0 * shear;
+    let elastic = Elastic { density: 8960.0, lambda, shear, thermal: Thermal::default() };
     let hardening = 2e9;
     let hard = VonMises { elastic, yield_stress, hardening };
     for dimension in 1..=3 {

@@ -38,6 +38,11 @@ pub struct Grid {
     pub held: Vec<(usize, usize)>,
     /// F-bar: m tr L of the particles, then the average of tr L; empty otherwise.
     pub dilation: Vec<f64>,
+    /// Conduction of heat: sum N m cp T, then T_I \[K\], after the update T*_I; T*_I - T_I; unused;
+    /// C_I = sum N m cp \[M L^2/(T^2 K)\]. Empty unless heat is conducted.
+    pub temperature: Vec<[f64; 4]>,
+    /// sum V q . grad N \[M L^2/T^3\], what conduction brings to a node; empty likewise.
+    pub heating: Vec<f64>,
     /// Optional arrays that the scene needs.
     pub keeps: Keeps,
     /// Runs of active nodes in memory, ascending.
@@ -61,6 +66,8 @@ pub struct Keeps {
     pub filtered: bool,
     /// Averages of tr L.
     pub dilation: bool,
+    /// Temperatures.
+    pub temperature: bool,
 }
 
 impl Grid {
@@ -113,6 +120,7 @@ impl Grid {
             mapped: &mut self.mapped,
             external: &mut self.external,
             held: if self.filtered.is_empty() { None } else { Some(&mut self.held) },
+            temperature: &mut self.temperature,
             mass_cutoff: self.mass_cutoff,
         };
         let places = Places { lattices: &self.lattices, displaced: &self.displaced };
@@ -152,6 +160,7 @@ pub struct Nodal<'a> {
     external: &'a mut [[f64; 4]],
     /// The list of prescribed components, if something reads it.
     held: Option<&'a mut Vec<(usize, usize)>>,
+    temperature: &'a mut [[f64; 4]],
     mass_cutoff: f64,
 }
 
@@ -192,6 +201,25 @@ impl Nodal<'_> {
         let node = &mut self.nodes[node];
         node.change[axis] += end - node.motion[axis];
         node.motion[axis] = end;
+    }
+
+    /// T_I before conduction and its heat capacity C_I; both 0 where no heat is conducted.
+    pub fn temperature(&self, node: usize) -> [f64; 2] {
+        self.temperature.get(node).map_or([0.0; 2], |record| [record[0], record[3]])
+    }
+
+    /// Prescribes T_I (H2).
+    pub fn prescribe_temperature(&mut self, node: usize, value: f64) {
+        if let Some(record) = self.temperature.get_mut(node) {
+            record[0] = value;
+        }
+    }
+
+    /// Prescribes T*_I (H3), with `start` as T_I.
+    pub fn prescribe_updated_temperature(&mut self, node: usize, start: f64, end: f64) {
+        if let Some(record) = self.temperature.get_mut(node) {
+            (record[0], record[1]) = (end, end - start);
+        }
     }
 
     /// Prescribes one component of the velocity of the second mapping (H6).

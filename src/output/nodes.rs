@@ -20,7 +20,8 @@ const FIELDS: [&str; 16] = [
 
 const MANUAL: &str = "\
 Fields: x y z vx vy vz bx by bz mass mask rigid T ntypex ntypey ntypez: mass and velocity as the
-particles give them at the end of the step, b the external force of the step. Every node stands in
+particles give them at the end of the step, b the external force of the step, T as the particles
+give it in `thermo-mechanical` runs. Every node stands in
 the file once, with id (i ny + j) nz + k + 1, in total Lagrangian methods solid by solid (type) and
 at its current place; nodes without particles are 0.";
 
@@ -180,6 +181,9 @@ fn values<'a>(name: &str, world: &'a World, nodes: &[Numbered]) -> Values<'a> {
         });
     }
     match name {
+        "T" => each(&|node| {
+            active(node).and_then(|local| grid.temperature.get(local)).map_or(0.0, |t| t[0])
+        }),
         "mass" => each(&|node| active(node).map_or(0.0, |local| grid.nodes[local].motion[3])),
         "mask" => each(&|(lattice, node)| {
             let place = grid.lattices[lattice].place(node);

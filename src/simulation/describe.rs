@@ -96,6 +96,9 @@ impl Simulation {
         if transfer.gradient_enhanced {
             words.push("gradient-enhanced".to_string());
         }
+        if method.conducts_heat {
+            words.push("thermo-mechanical".to_string());
+        }
         let scheme = self.scheme.kind();
         words.push(word(SCHEMES, |other| other.kind() == scheme).to_string());
         words.join(", ")
@@ -219,6 +222,14 @@ impl Simulation {
                 ),
             ),
             ("boundary", self.boundary_in_words().to_string()),
+            (
+                "conduction of heat",
+                on(
+                    self.world.grid.keeps.temperature,
+                    "thermo-mechanical, and a material has a heat capacity",
+                    "mechanical, or no material has a heat capacity",
+                ),
+            ),
             (
                 "contact",
                 match self.world.method.total {

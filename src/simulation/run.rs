@@ -3,8 +3,8 @@
 use super::{Simulation, Until};
 use crate::fault::Fault;
 use crate::interrupt;
-use crate::kernel::points;
 use crate::kernel::tiles::Report;
+use crate::kernel::{conduction, points};
 use crate::model::column::{Column, ColumnSet};
 use crate::model::grid::Keeps;
 use crate::output::Snapshot;
@@ -14,7 +14,7 @@ use crate::script::formula::{Instant, Slot};
 use crate::step::{Stage, Step};
 use crate::time_step::{self, Limit, TimeStep};
 use crate::timing::Phase;
-use crate::world::World;
+use crate::world::{Spreading, World};
 
 /// Nodes lighter than this part of the lightest particle are empty (only against 0/0). It lies
 /// below the cube of the smallest weight: a node near which a particle has a gradient weight must
@@ -87,6 +87,9 @@ impl Simulation {
         let mut plan = Plan { wave_speed, axisymmetric, ..Plan::default() };
         for solid in &self.world.solids {
             plan.columns = plan.columns.union(self.world.columns_of(&*solid.law));
+            if solid.law.thermal().capacity > 0.0 {
+                plan.columns.insert(Column::Temperature);
+            }
         }
         for (_, fix) in &self.fixes {
             fix.needs(&mut plan, dimension);
@@ -151,7 +154,10 @@ impl Simulation {
         }
         let matrix = self.transfer.has_matrix();
         particles.require_matrix(if matrix { domain.dimension } else { 0 });
+        let mut heated = false;
         for (solid, columns) in solids.iter_mut().zip(of_laws) {
+            solid.spreading = Spreading::new(&*solid.law, method.conducts_heat);
+            heated |= solid.law.thermal().capacity > 0.0;
             solid.columns = columns;
             if particles.present.contains(Column::F11) {
                 solid.columns.extend(deformation);
@@ -163,6 +169,7 @@ impl Simulation {
             displaced: method.total && self.plan.node_places,
             filtered: self.transfer.filter_terms().is_some(),
             dilation: method.averaged_dilation,
+            temperature: method.conducts_heat && heated,
         };
         let masses = particles.position.iter().map(|position| position[3]);
         grid.mass_cutoff = EMPTY * masses.filter(|m| *m > 0.0).fold(f64::INFINITY, f64::min);
@@ -348,6 +355,9 @@ impl Simulation {
             let mut parts = self.parts(&hooks);
             parts.points_to_grid(Scatter::Motion);
             parts.loops.scattered = false;
+        }
+        if self.world.grid.keeps.temperature && self.outputs.dump_is_due(self.clock.step) {
+            conduction::collect(&mut self.loops.tiles, &mut self.world);
         }
         let slots = self.outputs.slots_due(self.clock.step, last);
         self.refresh(&slots);

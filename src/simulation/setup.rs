@@ -23,7 +23,7 @@ use crate::scheme::{Loops, Scheme};
 use crate::script::formula::{Board, Instant, Slot};
 use crate::time_step::Floor;
 use crate::transfer::{Transfer, TransferKind};
-use crate::world::{Solid, World};
+use crate::world::{Solid, Spreading, World};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -71,6 +71,7 @@ impl Simulation {
             method: Method::default(),
             rate: StressRate::default(),
             boundary: Boundary::default(),
+            thermal_blend: 0.99,
         };
         Self {
             world,
@@ -176,6 +177,7 @@ impl Simulation {
             particles_per_cell,
             cells: domain,
             columns,
+            spreading: Spreading::default(),
         });
         let number = self.world.solids.len() - 1;
         let count = self.push_particles(number, each);

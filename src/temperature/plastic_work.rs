@@ -1,8 +1,8 @@
 //! Heat from plastic work.
 
 use super::{BuildTemperature, Temperature};
-use crate::material::Chunk;
 use crate::material::stages::Stages;
+use crate::material::{Chunk, Thermal};
 use crate::math::v4::{Sweep, Wide, dispatch};
 use crate::model::column::Column;
 use crate::script::arguments::Args;
@@ -26,11 +26,12 @@ Source: de Vaucorbeil et al. 2020, eq. 2.13; language.md 7.6, 9.3.",
 fn read(args: &mut Args<'_>) -> Result<PlasticWork, Diagnostic> {
     let part = args.within("the part chi of the work that becomes heat", 0.0, 1.0)?.value;
     let capacity = args.positive("the heat capacity cp")?.value;
-    args.within("the conductivity kappa", 0.0, f64::INFINITY)?;
+    let conductivity = args.within("the conductivity kappa", 0.0, f64::INFINITY)?.value;
+    let thermal = Thermal { capacity, conductivity };
     let expansion = args.number("the linear expansion alpha")?.value;
     let initial = args.number("the initial temperature T0")?.value;
     let melting = args.number("the melting temperature Tm")?.value;
-    Ok(PlasticWork { part, capacity, expansion, initial, melting })
+    Ok(PlasticWork { part, thermal, expansion, initial, melting })
 }
 
 /// dT = chi sigma_f dep/(rho cp) while T < Tm; p += 3 K alpha (T - T0).
@@ -40,8 +41,8 @@ fn read(args: &mut Args<'_>) -> Result<PlasticWork, Diagnostic> {
 pub struct PlasticWork {
     /// chi.
     pub part: f64,
-    /// cp \[L^2/(T^2 K)\].
-    pub capacity: f64,
+    /// cp \[L^2/(T^2 K)\] and kappa \[M L/(T^3 K)\].
+    pub thermal: Thermal,
     /// alpha \[1/K\].
     pub expansion: f64,
     /// T0 \[K\].
@@ -55,6 +56,10 @@ impl Temperature for PlasticWork {
         self.initial
     }
 
+    fn thermal(&self) -> Thermal {
+        self.thermal
+    }
+
     fn add_pressure(&self, bulk: f64, chunk: &Chunk<'_>, stages: &mut Stages) {
         let factor = 3.0 * bulk * self.expansion;
         if factor != 0.0 {
@@ -63,7 +68,7 @@ impl Temperature for PlasticWork {
     }
 
     fn heat(&self, density: f64, chunk: &mut Chunk<'_>, stages: &Stages) {
-        let factor = self.part / (density * self.capacity);
+        let factor = self.part / (density * self.thermal.capacity);
         dispatch(Heat { factor, melting: self.melting, chunk, stages });
     }
 

@@ -158,6 +158,7 @@ fn scene(wave: &Wave, way: &Way, cells: usize) -> Simulation {
         shape: way.shape,
         axisymmetric: way.mutant != Mutant::Hoop,
         averaged_dilation: way.fbar,
+        ..Method::default()
     });
     simulation.transfer = Transfer::new(way.transfer, 1.0);
     simulation.fixed_dt = Some(0.1 * h);

@@ -10,6 +10,7 @@ mod combinations;
 mod convergence;
 mod dam;
 mod fixes;
+mod heat;
 mod invariants;
 mod locking;
 mod manufactured;

@@ -1,0 +1,106 @@
+//! Prescribed temperatures of particles.
+
+use super::components::{Components, of_particles};
+use super::{BuildFix, Fix, GroupKind};
+use crate::fault::Fault;
+use crate::model::column::Column;
+use crate::model::group::GroupId;
+use crate::model::particles::Particles;
+use crate::plan::Plan;
+use crate::script::arguments::Place;
+use crate::script::formula::{Formula, Instant};
+use crate::step::{Stage, Step};
+use crate::style::Style;
+use crate::world::World;
+
+/// The row of the table.
+pub const STYLE: Style<BuildFix> = Style {
+    name: "temperature_particles",
+    usage: "T",
+    summary: "prescribes the temperature of particles [K]",
+    manual: "\
+H1: T <- T(t). H5: T <- T(t+dt). Publishes in ID_s the heating power of the step, and in ID_x the
+heat given so far: per step the sum of m cp (T_set - T) over both, with the cp of the materials that
+have one.",
+    build: Some(|args, target| {
+        target.require("temperature_particles", &[GroupKind::Particles])?;
+        let temperature = args.formula("the temperature T", Place::Point)?;
+        let temperature = Components::new(&target.id, [Some(temperature), None, None]);
+        Ok(Box::new(TemperatureParticles::new(target.group, temperature)))
+    }),
+};
+
+/// T <- T(t) at the start of a step; T <- T(t+dt) at its end.
+pub struct TemperatureParticles {
+    group: GroupId,
+    temperature: Components,
+    members: Vec<usize>,
+    /// Heat of the step \[M L^2/T^2\].
+    given: f64,
+    /// Heating power of the step \[M L^2/T^3\].
+    power: f64,
+    /// Heat so far \[M L^2/T^2\].
+    total: f64,
+}
+
+impl TemperatureParticles {
+    /// Prescribes a temperature to a group of particles.
+    pub fn new(group: GroupId, temperature: Components) -> Self {
+        Self { group, temperature, members: Vec::new(), given: 0.0, power: 0.0, total: 0.0 }
+    }
+}
+
+impl Fix for TemperatureParticles {
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::InitialIntegrate, Stage::PostAdvanceParticles]
+    }
+
+    fn needs(&self, plan: &mut Plan, dimension: usize) {
+        plan.columns.insert(Column::Temperature);
+        self.temperature.needs(plan, dimension);
+    }
+
+    fn formulas(&self) -> Vec<&Formula> {
+        self.temperature.formulas()
+    }
+
+    fn apply(&mut self, stage: Stage, step: &mut Step<'_>) -> Result<(), Fault> {
+        let World { particles, groups, solids, .. } = &mut *step.world;
+        self.members.clear();
+        self.members.extend(particles.of_group(groups, self.group));
+        let now = match stage {
+            Stage::InitialIntegrate => Instant::start(&step.clock),
+            _ => Instant::end(&step.clock),
+        };
+        let mut temperature = std::mem::take(&mut particles.columns[Column::Temperature as usize]);
+        let Particles { position, columns, solid, .. } = &*particles;
+        let mut given = 0.0;
+        let done = self.temperature.each(
+            step.board,
+            &now,
+            self.members.iter().copied(),
+            of_particles(position, columns),
+            |p, set| {
+                if let (Some(set), Some(value)) = (set[0], temperature.get_mut(p)) {
+                    let capacity = solids[solid[p] as usize].law.thermal().capacity;
+                    given += position[p][3] * capacity * (set - *value);
+                    *value = set;
+                }
+            },
+        );
+        particles.columns[Column::Temperature as usize] = temperature;
+        done?;
+        if stage == Stage::InitialIntegrate {
+            self.given = given;
+        } else {
+            self.given += given;
+            self.power = self.given / step.clock.dt;
+            self.total += self.given;
+        }
+        Ok(())
+    }
+
+    fn results(&self, _world: &World) -> [f64; 4] {
+        [self.total, 0.0, 0.0, self.power]
+    }
+}

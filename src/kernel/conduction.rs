@@ -1,0 +1,308 @@
+//! Conduction of heat on the nodes, for all solids together (language.md 7.6).
+//!
+//! Three sweeps of their own, in `thermo-mechanical` runs only, around the fixes that prescribe
+//! temperatures: [`collect`] before H2, [`conduct`] with the update of the nodes (line 7),
+//! [`gather`] with G2P (line 9).
+
+use super::by_kind;
+use super::chunk::{SCRATCH, Scratch};
+use super::points::of_one_solid;
+use super::shared::Shared;
+use super::stencil::{Frame, Stencil};
+use super::tiles::Tiles;
+use crate::material::{Description, LANES, Thermal};
+use crate::math::v4::{Sweep, Wide, dispatch};
+use crate::math::wide::{Four, cofactors};
+use crate::model::column::{Column, ColumnSet};
+use crate::model::particles::Particles;
+use crate::shape::Shape;
+use crate::world::World;
+use std::marker::PhantomData;
+use std::ops::Range;
+
+/// Nodal temperatures T_I = sum N m cp T/C_I, C_I = sum N m cp, at the places that the step begins
+/// with.
+pub fn collect(tiles: &mut Tiles, world: &mut World) {
+    let grid = &mut world.grid;
+    for node in grid.runs.iter().cloned().flatten() {
+        grid.temperature[node] = [0.0; 4];
+        grid.heating[node] = 0.0;
+    }
+    by_kind!(world.domain.dimension, world.method.shape, collect_of, tiles, world);
+    let grid = &mut world.grid;
+    for node in grid.runs.iter().cloned().flatten() {
+        let [heat, _, _, capacity] = &mut grid.temperature[node];
+        *heat = if *capacity > 0.0 { *heat / *capacity } else { 0.0 };
+    }
+}
+
+/// T*_I = T_I + dt (sum V q_p . grad N)/C_I with q_p = -kappa sum T_I grad N.
+pub fn conduct(tiles: &mut Tiles, world: &mut World, dt: f64) {
+    by_kind!(world.domain.dimension, world.method.shape, conduct_of, tiles, world);
+    let grid = &mut world.grid;
+    for node in grid.runs.iter().cloned().flatten() {
+        let [temperature, change, _, capacity] = &mut grid.temperature[node];
+        *change = if *capacity > 0.0 { dt * grid.heating[node] / *capacity } else { 0.0 };
+        *temperature += *change;
+    }
+}
+
+/// T_p = a (T_p + sum N (T*_I - T_I)) + (1 - a) sum N T*_I; false if one is not finite.
+pub fn gather(tiles: &mut Tiles, world: &mut World) -> bool {
+    by_kind!(world.domain.dimension, world.method.shape, gather_of, tiles, world)
+}
+
+/// The chunks of a tile whose material has a heat capacity.
+fn each_chunk(world: &World, tile: Range<usize>, mut visit: impl FnMut(Range<usize>, Thermal)) {
+    for range in of_one_solid(tile, &world.particles.solid) {
+        let thermal = world.solids[world.particles.solid[range.start] as usize].law.thermal();
+        if thermal.capacity > 0.0 {
+            visit(range, thermal);
+        }
+    }
+}
+
+/// The places that weights belong to.
+fn places(world: &World) -> &[[f64; 4]] {
+    if world.method.total { &world.particles.reference } else { &world.particles.position }
+}
+
+fn collect_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
+    tiles: &mut Tiles,
+    world: &mut World,
+) {
+    let mut nodes = std::mem::take(&mut world.grid.temperature);
+    let shared = Shared::new(&mut nodes);
+    let (places, temperature) = (places(world), world.particles.column(Column::Temperature));
+    tiles.sweep(|tile, _| {
+        each_chunk(world, tile.range, |range, thermal| {
+            dispatch(Collect::<'_, D, W, S> {
+                places: &places[range.clone()],
+                temperature: &temperature[range],
+                capacity: thermal.capacity,
+                frame: tile.frame,
+                nodes: shared,
+                shape: PhantomData,
+            });
+        });
+    });
+    world.grid.temperature = nodes;
+}
+
+/// (sum N m cp T, 0, 0, sum N m cp) of a chunk.
+struct Collect<'a, const D: usize, const W: usize, S> {
+    places: &'a [[f64; 4]],
+    temperature: &'a [f64],
+    capacity: f64,
+    frame: &'a Frame,
+    nodes: Shared<'a, [f64; 4]>,
+    shape: PhantomData<S>,
+}
+
+impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Collect<'_, D, W, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Wide>(self) {
+        for (place, temperature) in self.places.iter().zip(self.temperature) {
+            let stencil = self.frame.stencil::<V, D, W, S>(V::load(place));
+            let capacity = place[3] * self.capacity;
+            let heat = V::load(&[capacity * temperature, 0.0, 0.0, capacity]);
+            // SAFETY: tiles of one colour share no node (see `tiles`).
+            let mut rows = unsafe { stencil.of_shared(&self.nodes) };
+            for i in 0..Stencil::<D, W>::PLANES {
+                for j in 0..Stencil::<D, W>::ROWS {
+                    let nodes = rows.row(i, j);
+                    for k in 0..W {
+                        let weight = V::splat(stencil.weight(i, j, k));
+                        weight.mul_add(heat, V::load(&nodes[k])).store(&mut nodes[k]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn conduct_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
+    tiles: &mut Tiles,
+    world: &mut World,
+) {
+    let mut heating = std::mem::take(&mut world.grid.heating);
+    let shared = Shared::new(&mut heating);
+    let places = places(world);
+    let total = world.description() == Description::Total;
+    tiles.sweep(|tile, _| {
+        SCRATCH.with_borrow_mut(|scratch| {
+            each_chunk(world, tile.range, |range, thermal| {
+                load_deformation(scratch, &world.particles, D, total, range.clone());
+                dispatch(Conduct::<'_, D, W, S> {
+                    places: &places[range.clone()],
+                    velocity: &world.particles.velocity[range],
+                    conductivity: thermal.conductivity,
+                    total,
+                    scratch,
+                    frame: tile.frame,
+                    nodes: &world.grid.temperature,
+                    heating: shared,
+                    shape: PhantomData,
+                });
+            });
+        });
+    });
+    world.grid.heating = heating;
+}
+
+/// J of a chunk, and F where the weights belong to reference places.
+fn load_deformation(
+    scratch: &mut Scratch,
+    particles: &Particles,
+    dimension: usize,
+    total: bool,
+    range: Range<usize>,
+) {
+    let mut set = ColumnSet::default();
+    set.insert(Column::J);
+    if total {
+        set.extend(Column::deformation(dimension));
+    }
+    let set = set.common(particles.present);
+    scratch
+        .state
+        .load(dimension, range.len(), set, |column| &particles.column(column)[range.clone()]);
+}
+
+/// heating += V q . grad N of a chunk.
+struct Conduct<'a, const D: usize, const W: usize, S> {
+    places: &'a [[f64; 4]],
+    velocity: &'a [[f64; 4]],
+    conductivity: f64,
+    total: bool,
+    scratch: &'a mut Scratch,
+    frame: &'a Frame,
+    nodes: &'a [[f64; 4]],
+    heating: Shared<'a, f64>,
+    shape: PhantomData<S>,
+}
+
+impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Conduct<'_, D, W, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Wide>(mut self) {
+        let len = self.places.len().min(LANES);
+        for p in 0..len {
+            let stencil = self.frame.stencil::<V, D, W, S>(V::load(&self.places[p]));
+            let columns = stencil.gradient::<V>(self.nodes);
+            for j in 0..D {
+                self.scratch.records[0][p][j] = columns[j].array()[0];
+            }
+        }
+        if self.total {
+            self.pull_back::<V>();
+        }
+        let factor = -self.conductivity * self.frame.inverse_spacing.powi(2);
+        for p in 0..len {
+            let stencil = self.frame.stencil::<V, D, W, S>(V::load(&self.places[p]));
+            let volume = self.scratch.state.value(Column::J, p) * self.velocity[p][3];
+            let flux = self.scratch.records[0][p].map(|slope| factor * volume * slope);
+            // SAFETY: tiles of one colour share no node (see `tiles`).
+            let rows = unsafe { stencil.of_shared(&self.heating) };
+            stencil.add_divergence(flux, rows);
+        }
+    }
+}
+
+impl<const D: usize, const W: usize, S: Shape<W>> Conduct<'_, D, W, S> {
+    /// F^-1 F^-T grad0 T in place of grad0 T: q . grad N = -kappa (F^-T grad0 T) . (F^-T grad0 N).
+    #[inline(always)]
+    fn pull_back<V: Wide>(&mut self) {
+        let Scratch { state, records, .. } = &mut *self.scratch;
+        for group in state.groups() {
+            let mut four = [V::splat(0.0); 4];
+            for lane in 0..4 {
+                four[lane] = V::load(&records[0][4 * group + lane]);
+            }
+            let slopes = V::transpose(four);
+            let f: Four<V> = state.deformation_of_four(group);
+            let (cofactor, j) = cofactors::<V, D>(&f);
+            let scale = V::splat(1.0) / (j * j);
+            let mut back = [V::splat(0.0); 4];
+            for i in 0..D {
+                let mut spatial = V::splat(0.0);
+                for axis in 0..D {
+                    spatial = cofactor[3 * i + axis].mul_add(slopes[axis], spatial);
+                }
+                let spatial = scale * spatial;
+                for axis in 0..D {
+                    back[axis] = cofactor[3 * i + axis].mul_add(spatial, back[axis]);
+                }
+            }
+            let four = V::transpose(back);
+            for lane in 0..4 {
+                four[lane].store(&mut records[0][4 * group + lane]);
+            }
+        }
+    }
+}
+
+fn gather_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
+    tiles: &mut Tiles,
+    world: &mut World,
+) -> bool {
+    let column = Column::Temperature as usize;
+    let mut temperature = std::mem::take(&mut world.particles.columns[column]);
+    let shared = Shared::new(&mut temperature);
+    let places = places(world);
+    let report = tiles.sweep(|tile, report| {
+        each_chunk(world, tile.range, |range, _| {
+            dispatch(Gather::<'_, D, W, S> {
+                places: &places[range.clone()],
+                // SAFETY: the ranges of the tiles do not overlap: each particle has one writer.
+                temperature: unsafe { shared.part(range) },
+                blend: world.thermal_blend,
+                frame: tile.frame,
+                nodes: &world.grid.temperature,
+                watch: &mut report.watch,
+                shape: PhantomData,
+            });
+        });
+    });
+    world.particles.columns[column] = temperature;
+    report.watch.is_finite()
+}
+
+/// New temperatures of a chunk.
+struct Gather<'a, const D: usize, const W: usize, S> {
+    places: &'a [[f64; 4]],
+    temperature: &'a mut [f64],
+    blend: f64,
+    frame: &'a Frame,
+    nodes: &'a [[f64; 4]],
+    watch: &'a mut f64,
+    shape: PhantomData<S>,
+}
+
+impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Gather<'_, D, W, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Wide>(self) {
+        for (place, temperature) in self.places.iter().zip(self.temperature) {
+            let stencil = self.frame.stencil::<V, D, W, S>(V::load(place));
+            let rows = stencil.of(self.nodes);
+            let mut sum = V::splat(0.0);
+            for i in 0..Stencil::<D, W>::PLANES {
+                for j in 0..Stencil::<D, W>::ROWS {
+                    let nodes = rows.row(i, j);
+                    for k in 0..W {
+                        let weight = V::splat(stencil.weight(i, j, k));
+                        sum = weight.mul_add(V::load(&nodes[k]), sum);
+                    }
+                }
+            }
+            let [updated, change, ..] = sum.array();
+            *temperature = self.blend * (*temperature + change) + (1.0 - self.blend) * updated;
+            *self.watch += *temperature;
+        }
+    }
+}
