@@ -216,10 +216,11 @@ fn temperatures_stay_between_those_of_start_and_walls() {
             assert!(low >= 2.0 - 1e-12 && high <= 4.0 + 1e-12, "{low} {high}");
         }
     }
-    // A step above the limit is seen.
-    let unstable = with(BAR, METHODS[0]).replace("0.2*h^2", "0.8*h^2");
-    let [low, high] = range(&play(&unstable, &[("n", 10.0), ("end", 0.5)]));
-    println!("a step 1.6 times too long: {low} {high}");
+    // A step above the limit is seen. The limit is that of nodes that keep their own temperature;
+    // the way over the particles takes the fastest modes down and lets steps four times as long pass.
+    let unstable = with(BAR, METHODS[0]).replace("0.2*h^2", "3*h^2");
+    let [low, high] = range(&play(&unstable, &[("n", 20.0), ("end", 0.5)]));
+    println!("a step six times too long: {low} {high}");
     assert!(low < -0.1 || high > 1.1, "{low} {high}");
 }
 
