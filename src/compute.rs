@@ -5,6 +5,7 @@ pub mod average_stress;
 pub mod average_temperature;
 pub mod average_velocity;
 pub mod energy;
+pub mod energy_ledger;
 pub mod max_plastic_strain;
 pub mod max_position;
 
@@ -40,4 +41,5 @@ pub const COMPUTES: &[Style<BuildCompute>] = &[
     max_position::STYLE,
     average_stress::STYLE,
     average_temperature::STYLE,
+    energy_ledger::STYLE,
 ];

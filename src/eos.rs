@@ -52,3 +52,12 @@ pub struct Viscosity {
     /// c0 \[L/T\].
     pub sound: f64,
 }
+
+impl Viscosity {
+    /// The pressure \[P\] of one particle, from rho0, h, J and tr D.
+    pub fn pressure(&self, density: f64, cell: f64, j: f64, trace: f64) -> f64 {
+        let rate = (-trace).max(0.0);
+        let speed = self.quadratic * cell * rate + self.linear * self.sound * j.sqrt();
+        density / j * cell * rate * speed
+    }
+}

@@ -19,6 +19,7 @@ pub mod dilation;
 pub mod filter;
 pub mod gather;
 pub mod grid;
+pub mod ledger;
 pub mod points;
 pub mod scatter;
 pub mod shared;

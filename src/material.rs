@@ -237,6 +237,9 @@ pub trait Law: Send + Sync {
         0.0
     }
 
+    /// Power per volume that goes into viscosity at the end of the step \[P/T\].
+    fn viscous_power(&self, _chunk: &Chunk<'_>, _out: &mut Lane) {}
+
     /// Heating power per volume \[P/T\] of particle `p`.
     fn heating(&self, _state: &State, _p: usize) -> f64 {
         0.0

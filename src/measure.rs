@@ -7,7 +7,7 @@ use crate::script::formula::{GroupFunction, Quantity};
 use crate::world::World;
 
 /// Largest number of values one compute publishes.
-const LARGEST_COMPUTE: usize = 8;
+const LARGEST_COMPUTE: usize = 16;
 
 /// Sums of nodal forces over groups, taken while the step passes by.
 #[derive(Clone, Debug, Default)]

@@ -6,4 +6,5 @@ pub mod domain;
 pub mod grid;
 pub mod group;
 pub mod lattice;
+pub mod ledger;
 pub mod particles;

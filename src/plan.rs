@@ -14,6 +14,8 @@ pub struct Plan {
     pub external_force: bool,
     /// Something reads places of nodes, which move in total Lagrangian methods.
     pub node_places: bool,
+    /// Something reads the energy ledger.
+    pub ledger: bool,
     /// The wave speed of each particle is needed (dt is adaptive).
     pub wave_speed: bool,
     /// x is a radius.

@@ -1,5 +1,6 @@
 //! Schemes: the order of the parts of a step (language.md 7).
 
+mod ledger;
 pub mod musl;
 pub mod usf;
 pub mod usl;
@@ -106,6 +107,8 @@ pub struct Parts<'a> {
     pub plan: &'a Plan,
     /// How velocities pass between particles and grid.
     pub transfer: Transfer,
+    /// The scheme.
+    pub scheme: SchemeKind,
     /// Tiles, sort, timing.
     pub loops: &'a mut Loops,
 }
@@ -171,6 +174,7 @@ impl Parts<'_> {
     /// The first fault of a fix.
     pub fn nodal_forces(&mut self) -> Result<(), Fault> {
         self.captured.internal(self.world);
+        self.note_start();
         self.world.grid.external.fill([0.0; 4]);
         if self.plan.columns.contains(Column::Bx) && self.hooks.any(&[Stage::InitialIntegrate]) {
             scatter::external_forces(&mut self.loops.tiles, self.world);
@@ -180,6 +184,7 @@ impl Parts<'_> {
         }
         self.act(Stage::PostParticlesToGrid)?;
         self.captured.external(self.world);
+        self.note_forces();
         Ok(())
     }
 
@@ -197,6 +202,7 @@ impl Parts<'_> {
         self.loops.timing.end(Phase::Grid);
         self.act(Stage::PostUpdateGridState)?;
         self.hold_axis();
+        self.note_changes();
         if let Some(terms) = self.transfer.filter_terms() {
             filter::apply(&mut self.loops.tiles, self.world, &mut self.loops.spare, terms);
             self.loops.timing.end(Phase::Grid);
@@ -226,9 +232,11 @@ impl Parts<'_> {
         let numbers = Gather::new(&self.transfer, self.clock.dt, second_mapping && !split);
         let mut report = gather::sweep(&mut self.loops.tiles, self.world, numbers);
         self.loops.timing.end(Phase::GridToPoints);
+        self.book_transfer(second_mapping && !split);
         if split {
             self.act(Stage::PostGridToPoint)?;
             self.act(Stage::PostAdvanceParticles)?;
+            self.book_particles();
             if second_mapping {
                 let affine = self.transfer.is_affine();
                 gather::scatter_momentum(&mut self.loops.tiles, self.world, affine);
@@ -372,6 +380,7 @@ impl Parts<'_> {
         let matrix_is_gradient = self.transfer.kind == TransferKind::Mls;
         let stress = Points { matrix_is_gradient, ..self.points_of_stress() };
         self.sweep_points(Points { advance: true, motion, force, ..stress })?;
+        self.book_stress();
         self.loops.limits.clone_from(&self.loops.tiles.by_lattice);
         self.loops.scattered = force;
         Ok(())
@@ -383,6 +392,7 @@ impl Parts<'_> {
     /// A law that fails.
     pub fn stress_first(&mut self) -> Result<(), Fault> {
         self.sweep_points(Points { force: true, ..self.points_of_stress() })?;
+        self.book_stress();
         self.loops.limits.clone_from(&self.loops.tiles.by_lattice);
         Ok(())
     }

@@ -8,6 +8,7 @@ use crate::model::domain::{Boundary, Domain};
 use crate::model::grid::Grid;
 use crate::model::group::Groups;
 use crate::model::lattice::Lattice;
+use crate::model::ledger::Ledger;
 use crate::model::particles::Particles;
 use crate::region::Bounds;
 use std::cell::RefCell;
@@ -62,6 +63,8 @@ pub struct World {
     pub solids: Vec<Solid>,
     /// All groups.
     pub groups: Groups,
+    /// The energy ledger; closed unless something reads it.
+    pub ledger: Ledger,
     /// The method.
     pub method: Method,
     /// The objective rate of hypoelastic laws.

@@ -1,5 +1,6 @@
 //! A step allocates nothing.
 
+use karamelo::compute::energy_ledger::EnergyLedger;
 use karamelo::material::Elastic;
 use karamelo::material::linear::Linear;
 use karamelo::method::Method;
@@ -69,6 +70,19 @@ fn disk(
         v[0] = 0.1 * (x[1] - 0.5);
     }
     simulation
+}
+
+#[test]
+fn the_energy_ledger_allocates_no_more_in_longer_runs() {
+    let transfer = Transfer::new(TransferKind::Flip, 0.99);
+    for total in [false, true] {
+        let mut simulation = disk(false, total, ShapeKind::Linear, transfer, &Musl);
+        simulation.add_compute("W", Box::new(EnergyLedger));
+        allocations(&mut simulation, 10);
+        let short = allocations(&mut simulation, 10);
+        let long = allocations(&mut simulation, 100);
+        assert!(simulation.world.ledger.open && long <= short, "{long} > {short}");
+    }
 }
 
 #[test]

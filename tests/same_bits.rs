@@ -139,6 +139,17 @@ fn threads_do_not_change_a_byte_of_bodies_of_revolution() {
 }
 
 #[test]
+fn threads_do_not_change_the_energy_ledger() {
+    let runs = "compute(W, energy_ledger, all)
+log_modify(custom, step, W_stored, W_plastic, W_viscous, W_damage, W_heat, W_numerical, W_residual)
+run(60)";
+    let one = outputs(METHODS[0], "1", runs);
+    for threads in ["2", "3"] {
+        assert!(outputs(METHODS[0], threads, runs)["log.mpm"] == one["log.mpm"]);
+    }
+}
+
+#[test]
 fn a_force_in_the_twelfth_digit_is_seen() {
     // The test above can fail.
     let one = outputs(METHODS[0], "1", "run(20)");

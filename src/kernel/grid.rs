@@ -102,6 +102,11 @@ pub fn clear(grid: &mut Grid, parallel: bool) {
     for_each_run(grid, parallel, |nodes, _| nodes.fill(Node::default()));
 }
 
+/// Clears the second mapping.
+pub fn clear_mapped(grid: &mut Grid, parallel: bool) {
+    for_each_run(grid, parallel, |_, mapped| mapped.fill([0.0; 4]));
+}
+
 /// Like [`divide`], then [`clear`], in one pass: for steps in which no fix reads the mass after
 /// the second mapping.
 pub fn divide_and_clear(grid: &mut Grid, parallel: bool) {

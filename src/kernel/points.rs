@@ -2,6 +2,7 @@
 
 use super::by_space;
 use super::chunk::{SCRATCH, Scratch, stresses};
+use super::ledger::advance_and_book;
 use super::scatter::Parcel;
 use super::shared::Shared;
 use super::stencil::Frame;
@@ -13,6 +14,7 @@ use crate::math::v4::{Plain, Sweep, Wide, dispatch};
 use crate::math::wide::in_space;
 use crate::model::column::{COLUMNS, Column, ColumnSet};
 use crate::model::grid::Node;
+use crate::model::ledger::Share;
 use crate::shape::Shape;
 use crate::world::{Solid, World};
 use std::marker::PhantomData;
@@ -58,6 +60,8 @@ struct Lent<'a> {
     matrix: [Shared<'a, [f64; 4]>; 3],
     columns: [Shared<'a, f64>; COLUMNS],
     nodes: Shared<'a, Node>,
+    /// What each particle does, if the energy ledger is open.
+    shares: Shared<'a, Share>,
 }
 
 /// What the tiles read.
@@ -79,7 +83,7 @@ fn sweep_of<const D: usize, const W: usize, const ROUND: bool, S: Shape<W> + Syn
     points: Points,
 ) -> Report {
     let description = world.description();
-    let World { particles, grid, solids, .. } = world;
+    let World { particles, grid, solids, ledger, .. } = world;
     let seen = Seen {
         velocity: &particles.velocity,
         displacement: &particles.displacement,
@@ -98,6 +102,7 @@ fn sweep_of<const D: usize, const W: usize, const ROUND: bool, S: Shape<W> + Syn
         matrix: std::array::from_fn(|_| Shared::new(matrix.next().map_or(&mut [], |c| c))),
         columns: std::array::from_fn(|_| Shared::new(columns.next().map_or(&mut [], |c| c))),
         nodes: Shared::new(&mut grid.nodes),
+        shares: Shared::new(&mut ledger.shares),
     };
     tiles.sweep(|tile: Tile<'_>, report| {
         SCRATCH.with_borrow_mut(|scratch| {
@@ -273,8 +278,16 @@ impl<'a, const D: usize, const W: usize, const ROUND: bool, S: Shape<W>> Part<'a
         let has_deformation = self.scratch.state.has(Column::F11);
         self.scratch.cell = self.solid.cells.cell;
         let mut chunk = self.scratch.chunk(self.points.dt);
-        self.seen.description.advance(law, has_deformation, &mut chunk);
-        law.update(&mut chunk);
+        if self.lent.shares.is_empty() {
+            self.seen.description.advance(law, has_deformation, &mut chunk);
+            law.update(&mut chunk);
+        } else {
+            // SAFETY: as in `places`.
+            let shares = unsafe { self.lent.shares.part(self.range.clone()) };
+            let velocity = &self.seen.velocity[self.range.clone()];
+            let description = self.seen.description;
+            advance_and_book(description, law, has_deformation, &mut chunk, velocity, shares);
+        }
         if let Some(failed) = chunk.failed {
             self.report.failed.get_or_insert(self.range.start + failed);
         }

@@ -213,6 +213,7 @@ impl Simulation {
                 ),
             ),
             ("F-bar", on(self.world.method.averaged_dilation, "anti_locking", "anti_locking none")),
+            ("energy ledger", on(plan.ledger, "a compute reads it", "no compute reads it")),
             (
                 "temperature",
                 on(

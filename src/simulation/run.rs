@@ -1,12 +1,14 @@
 //! The loop over time steps.
 
 use super::{Simulation, Until};
+use crate::compute::energy::{kinetic_energy, strain_energy};
 use crate::fault::Fault;
 use crate::interrupt;
 use crate::kernel::tiles::Report;
 use crate::kernel::{conduction, points};
 use crate::model::column::{Column, ColumnSet};
 use crate::model::grid::Keeps;
+use crate::model::group::GroupId;
 use crate::output::Snapshot;
 use crate::plan::Plan;
 use crate::scheme::{Hooks, Parts, Scatter, SchemeKind};
@@ -61,6 +63,7 @@ impl Simulation {
                 break;
             }
         }
+        self.note_strain();
         if self.loops.clipped > 0 {
             self.outputs.warn(&format!(
                 "in {} particle-steps the density was beyond 98 % of the pole of the shock curve; \
@@ -113,12 +116,31 @@ impl Simulation {
         (self.loops.clipped, self.loops.removed, self.loops.bounced) = (0, 0, 0);
         self.ready()?;
         let hooks = self.hooks();
+        self.open_ledger();
         self.next = self.first_step();
         let mut parts = self.parts(&hooks);
         parts.points_to_grid(Scatter::Everything);
         parts.captured.internal(parts.world);
         parts.loops.scattered = !hooks.any(&[Stage::InitialIntegrate]);
         Ok(hooks)
+    }
+
+    /// Opens, goes on with or closes the energy ledger.
+    fn open_ledger(&mut self) {
+        let world = &mut self.world;
+        if !self.plan.ledger {
+            world.ledger.close();
+            return;
+        }
+        let [kinetic, strain] = [kinetic_energy, strain_energy].map(|sum| sum(world, GroupId::ALL));
+        world.ledger.begin(kinetic, strain, world.grid.len(), world.particles.len());
+    }
+
+    /// At the end of a run: what changes the stored energy before the next one comes from outside.
+    fn note_strain(&mut self) {
+        if self.world.ledger.open {
+            self.world.ledger.strain = strain_energy(&self.world, GroupId::ALL);
+        }
     }
 
     /// Columns, sort and fixes that act once: all that must be there before the first dt.
@@ -217,6 +239,7 @@ impl Simulation {
             hooks,
             plan: &self.plan,
             transfer: self.transfer,
+            scheme: self.scheme.kind(),
             loops: &mut self.loops,
         }
     }

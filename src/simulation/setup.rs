@@ -14,6 +14,7 @@ use crate::model::domain::{Boundary, Domain};
 use crate::model::grid::Grid;
 use crate::model::group::{Group, GroupId, Groups, Members, NodePart};
 use crate::model::lattice::Lattice;
+use crate::model::ledger::Ledger;
 use crate::model::particles::Particles;
 use crate::output::Outputs;
 use crate::plan::Plan;
@@ -68,6 +69,7 @@ impl Simulation {
             particles: no_particles(domain.dimension),
             solids: Vec::new(),
             groups: Groups::default(),
+            ledger: Ledger::default(),
             method: Method::default(),
             rate: StressRate::default(),
             boundary: Boundary::default(),

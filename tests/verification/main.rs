@@ -12,6 +12,7 @@ mod dam;
 mod fixes;
 mod heat;
 mod invariants;
+mod ledger;
 mod locking;
 mod manufactured;
 mod mirror;

@@ -57,15 +57,39 @@ impl Script {
         self.replace(&old[0], &format!("\n{statement}\n"))
     }
 
+    /// Reads the energy ledger in every row of the log, in place of what it read before, and writes
+    /// no dumps and no figures.
+    pub fn with_ledger(&self) -> Self {
+        let names = "kinetic stored plastic viscous damage friction damping heat external boundary \
+                     numerical residual error";
+        let columns: Vec<String> = names.split(' ').map(|name| format!("W_{name}")).collect();
+        let columns = columns.join(", ");
+        let log =
+            format!("compute(W, energy_ledger, all)\nlog_modify(custom, step, time, {columns})");
+        let Self { name, text } = self.without_files();
+        let line = |line: &str| match line.split('(').next() {
+            Some("log_modify") => log.clone(),
+            Some("compute") if line.contains("energy_ledger") => String::new(),
+            _ => line.to_string(),
+        };
+        let lines: Vec<String> = text.lines().map(line).collect();
+        Self { name, text: lines.join("\n") + "\n" }
+    }
+
+    /// Writes no dumps and no figures.
+    pub fn without_files(&self) -> Self {
+        let writes = |line: &&str| {
+            let command = line.split('(').next();
+            !matches!(command, Some("dump" | "plot" | "save_plot"))
+        };
+        let lines: Vec<&str> = self.text.lines().filter(writes).collect();
+        Self { name: self.name.clone(), text: lines.join("\n") + "\n" }
+    }
+
     /// Plays the script without its dumps and plots; `variables` win over its assignments, as with
     /// `-var`.
     pub fn play(&self, variables: &[(&str, f64)]) -> Played {
-        let files = ["dump(", "plot(", "save_plot("];
-        let lines = self.text.lines().map(|line| match files.iter().any(|f| line.starts_with(f)) {
-            true => "",
-            false => line,
-        });
-        let text = lines.collect::<Vec<&str>>().join("\n");
+        let text = self.without_files().text;
         let variables: Vec<(String, String)> =
             variables.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
         let source = Source::new(self.name.clone(), &text);

@@ -1,0 +1,84 @@
+//! Where the energy of a run goes.
+
+use super::{BuildCompute, Compute};
+use crate::fix::GroupKind;
+use crate::plan::Plan;
+use crate::style::Style;
+use crate::world::World;
+
+/// The row of the table.
+pub const STYLE: Style<BuildCompute> = Style {
+    name: "energy_ledger",
+    usage: "",
+    summary: "where the energy goes: kinetic, stored, lost, work put in [M L^2/T^2]",
+    manual: "\
+Acts on `all`. Kept from the first run below it on; a scene without it pays nothing.
+  ID_kinetic    sum m v^2/2 of the particles
+  ID_stored     what the stress can give back: its work less the losses below
+  ID_plastic    sum V q dep
+  ID_viscous    work against artificial viscosity and the viscosity of fluids
+  ID_damage     once D > 0: work less losses less what the law still stores
+  ID_friction   work against friction in `contact`
+  ID_damping    work against `damping_nodes` and `damping_local_nodes`
+  ID_heat       the part of ID_plastic that became heat (not counted twice)
+  ID_external   work done by forces: body forces, nodal forces, tools, particle contact
+  ID_boundary   work done by prescribed velocities, and energy of particles that left
+  ID_numerical  kinetic energy lost on the way from particles to nodes and back (PIC, FLIP < 1)
+  ID_residual   kinetic + stored + losses + numerical - external - boundary, less its start
+  ID_error      residual over the largest term so far
+The stress works V0 (J sigma + J' sigma') : D dt/2 in a step, nodal forces f . (v + v*)/2 dt, which is
+the change of the kinetic energy of the nodes to the last digit. So the residual is the error of
+the time integration alone: the work of the stress on the particles less that of the internal
+forces on the nodes. It falls with dt.",
+    build: Some(|_, target| {
+        target.require("energy_ledger", &[GroupKind::All])?;
+        Ok(Box::new(EnergyLedger))
+    }),
+};
+
+/// Reads the ledger of the world.
+pub struct EnergyLedger;
+
+impl Compute for EnergyLedger {
+    fn suffixes(&self) -> &'static [&'static str] {
+        &[
+            "_kinetic",
+            "_stored",
+            "_plastic",
+            "_viscous",
+            "_damage",
+            "_friction",
+            "_damping",
+            "_heat",
+            "_external",
+            "_boundary",
+            "_numerical",
+            "_residual",
+            "_error",
+        ]
+    }
+
+    fn needs(&self, plan: &mut Plan, _dimension: usize) {
+        plan.ledger = true;
+    }
+
+    fn evaluate(&self, world: &World, out: &mut [f64]) {
+        let ledger = &world.ledger;
+        let sums = &ledger.sums;
+        out.copy_from_slice(&[
+            sums.kinetic,
+            sums.stored,
+            sums.plastic,
+            sums.viscous,
+            sums.damage,
+            sums.friction,
+            sums.damping,
+            sums.heat,
+            sums.external,
+            sums.boundary,
+            sums.numerical,
+            ledger.residual(),
+            ledger.error(),
+        ]);
+    }
+}

@@ -1,0 +1,206 @@
+//! Where the energy of a run goes.
+
+/// Energies since the ledger was opened \[M L^2/T^2\].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sums {
+    /// Ek = sum m v^2/2 of the particles now.
+    pub kinetic: f64,
+    /// What the stress can give back.
+    pub stored: f64,
+    /// sum V q dep.
+    pub plastic: f64,
+    /// Work against artificial viscosity and against that of fluids.
+    pub viscous: f64,
+    /// Stored energy lost with stiffness.
+    pub damage: f64,
+    /// Work against friction of contacts.
+    pub friction: f64,
+    /// Work against damping fixes.
+    pub damping: f64,
+    /// The part of the plastic work that became heat.
+    pub heat: f64,
+    /// Work done by forces on nodes and particles.
+    pub external: f64,
+    /// Work done by prescribed velocities.
+    pub boundary: f64,
+    /// Kinetic energy lost on the way from particles to nodes and back.
+    pub numerical: f64,
+}
+
+impl Sums {
+    /// Everything that has become of the energy, less the work put in.
+    fn balance(&self) -> f64 {
+        let kept = self.kinetic + self.stored;
+        let lost = self.plastic + self.viscous + self.damage + self.friction + self.damping;
+        kept + lost + self.numerical - self.external - self.boundary
+    }
+
+    /// The largest of the terms, by size.
+    fn largest(&self) -> f64 {
+        let terms = [
+            self.kinetic,
+            self.stored,
+            self.plastic,
+            self.viscous,
+            self.damage,
+            self.friction,
+            self.damping,
+            self.numerical,
+            self.external,
+            self.boundary,
+        ];
+        terms.iter().fold(0.0, |largest, term| term.abs().max(largest))
+    }
+}
+
+/// What a particle has done in a step \[M L^2/T^2\].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Share {
+    /// Work of the stress V0 (J sigma : D) dt.
+    pub work: f64,
+    /// V q dep.
+    pub plastic: f64,
+    /// Work against viscosity.
+    pub viscous: f64,
+    /// Stored energy lost with stiffness.
+    pub damage: f64,
+    /// Plastic work that became heat.
+    pub heat: f64,
+}
+
+/// What a node has seen in the step under way.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Notes {
+    /// Momentum after P2G \[M L/T\].
+    pub momentum: [f64; 3],
+    /// Internal force \[M L/T^2\].
+    pub internal: [f64; 3],
+    /// External force.
+    pub external: [f64; 3],
+    /// Force of damping fixes.
+    pub damping: [f64; 3],
+    /// Change of the velocity that the particles will see, v* - v \[L/T\].
+    pub change: [f64; 3],
+    /// The mean of v and v* where they are prescribed.
+    pub prescribed: [Option<f64>; 3],
+}
+
+/// The energy ledger: empty unless the scene has a compute that reads it.
+#[derive(Clone, Debug, Default)]
+pub struct Ledger {
+    /// Is it kept?
+    pub open: bool,
+    /// Energies since it was opened.
+    pub sums: Sums,
+    /// Balance at its start.
+    start: f64,
+    /// Largest term so far.
+    largest: f64,
+    /// Stored energy of the laws at the end of the last run.
+    pub strain: f64,
+    /// Residual in the middle of the last change of the stresses.
+    residual: f64,
+    /// What the nodes of the step under way have seen.
+    pub nodes: Vec<Notes>,
+    /// What each particle has done in the step, in storage order.
+    pub shares: Vec<Share>,
+}
+
+impl Ledger {
+    /// Opens the ledger with the energies of the present state, or, if it is open, books what has
+    /// changed since the last run as work from outside.
+    pub fn begin(&mut self, kinetic: f64, strain: f64, nodes: usize, particles: usize) {
+        if self.open {
+            self.sums.external += kinetic - self.sums.kinetic + strain - self.strain;
+            self.sums.stored += strain - self.strain;
+            self.sums.kinetic = kinetic;
+        } else {
+            self.open = true;
+            self.sums = Sums { kinetic, stored: strain, ..Sums::default() };
+            self.start = self.sums.balance();
+            self.largest = self.sums.largest();
+            self.residual = 0.0;
+        }
+        self.strain = strain;
+        self.fit(nodes, particles);
+    }
+
+    /// Closes the ledger and gives its memory back.
+    pub fn close(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Makes room for so many nodes and particles and clears the last step.
+    pub fn fit(&mut self, nodes: usize, particles: usize) {
+        self.shares.clear();
+        self.shares.resize(particles, Share::default());
+        self.nodes.clear();
+        self.nodes.resize(nodes, Notes::default());
+    }
+
+    /// Notes the force of a damping fix on a node.
+    pub fn add_damping(&mut self, node: usize, force: [f64; 3]) {
+        if let Some(notes) = self.nodes.get_mut(node) {
+            for (sum, force) in notes.damping.iter_mut().zip(force) {
+                *sum += force;
+            }
+        }
+    }
+
+    /// Books what the particles have done in a step.
+    ///
+    /// Velocities belong to the middle of the time in which they strain the particles. So the
+    /// residual is taken there too: between the balances before and after.
+    pub fn collect(&mut self) {
+        let before = self.sums.balance();
+        let sums = &mut self.sums;
+        for share in &self.shares {
+            let lost = share.plastic + share.viscous + share.damage;
+            sums.stored += share.work - lost;
+            sums.plastic += share.plastic;
+            sums.viscous += share.viscous;
+            sums.damage += share.damage;
+            sums.heat += share.heat;
+        }
+        self.residual = 0.5 * (before + self.sums.balance()) - self.start;
+        self.largest = self.largest.max(self.sums.largest());
+    }
+
+    /// What is left over: all energies and losses, less the work put in, less those of the start.
+    pub fn residual(&self) -> f64 {
+        self.residual
+    }
+
+    /// The residual over the largest term so far.
+    pub fn error(&self) -> f64 {
+        if self.largest > 0.0 { self.residual / self.largest } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_neither_kept_nor_lost_is_the_residual() {
+        let mut ledger = Ledger::default();
+        ledger.begin(3.0, 1.0, 2, 1);
+        assert_eq!((ledger.residual(), ledger.error()), (0.0, 0.0));
+        ledger.shares[0] = Share { work: 2.0, plastic: 0.5, ..Share::default() };
+        ledger.collect();
+        // Half way through the step one of the two has been done.
+        assert_eq!((ledger.sums.stored, ledger.residual()), (2.5, 1.0));
+        ledger.sums.kinetic -= 1.0;
+        ledger.sums.external += 0.5;
+        ledger.fit(2, 1);
+        ledger.collect();
+        assert_eq!((ledger.residual(), ledger.error()), (0.5, 0.5 / 3.0));
+        // A jump between two runs is work from outside and leaves the residual alone.
+        ledger.begin(7.0, 1.25, 2, 1);
+        ledger.collect();
+        assert_eq!((ledger.sums.external, ledger.residual()), (5.75, 0.5));
+        ledger.add_damping(5, [1.0; 3]);
+        ledger.add_damping(1, [1.0; 3]);
+        assert_eq!([ledger.nodes[0].damping, ledger.nodes[1].damping], [[0.0; 3], [1.0; 3]]);
+    }
+}

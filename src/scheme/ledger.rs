@@ -1,0 +1,79 @@
+//! Where in a step the energy ledger takes its notes.
+
+use super::{Parts, SchemeKind};
+use crate::kernel::{gather, grid, ledger};
+use crate::transfer::TransferKind;
+
+impl Parts<'_> {
+    /// Books what has changed the particles since the last step: H1, particles that have left.
+    /// Internal forces are noted.
+    pub fn note_start(&mut self) {
+        let world = &mut *self.world;
+        if world.ledger.open {
+            let kinetic = ledger::kinetic_energy(&world.particles);
+            let sums = &mut world.ledger.sums;
+            sums.boundary += kinetic - sums.kinetic;
+            sums.kinetic = kinetic;
+            world.ledger.fit(world.grid.len(), world.particles.len());
+            ledger::note_internal(&mut world.ledger, &world.grid);
+        }
+    }
+
+    /// External forces are noted.
+    pub fn note_forces(&mut self) {
+        let world = &mut *self.world;
+        if world.ledger.open {
+            ledger::note_external(&mut world.ledger, &world.grid);
+        }
+    }
+
+    /// Changes of the nodal velocities are noted.
+    pub fn note_changes(&mut self) {
+        let world = &mut *self.world;
+        if world.ledger.open {
+            ledger::note_changes(&mut world.ledger, &world.grid, self.clock.dt);
+        }
+    }
+
+    /// Books the work of the nodal forces, and what the particles have not got of it; `mapped`: the
+    /// second mapping has been done already.
+    pub fn book_transfer(&mut self, mapped: bool) {
+        if !self.world.ledger.open {
+            return;
+        }
+        // MLS takes strains from the velocities that it has gathered.
+        let updated = self.scheme == SchemeKind::Usl
+            || self.scheme == SchemeKind::Musl && self.transfer.kind == TransferKind::Mls;
+        let mapped = mapped || updated;
+        if !mapped {
+            gather::scatter_momentum(&mut self.loops.tiles, self.world, self.transfer.is_affine());
+        }
+        let world = &mut *self.world;
+        let kinetic = ledger::kinetic_energy(&world.particles);
+        let work = ledger::book_forces(&mut world.ledger, &world.grid, self.clock.dt, updated);
+        let sums = &mut world.ledger.sums;
+        sums.numerical += work - (kinetic - sums.kinetic);
+        sums.kinetic = kinetic;
+        if !mapped {
+            grid::clear_mapped(&mut world.grid, self.loops.tiles.parallel);
+        }
+    }
+
+    /// Books what fixes have done to the particles (H4, H5).
+    pub fn book_particles(&mut self) {
+        let world = &mut *self.world;
+        if world.ledger.open {
+            let kinetic = ledger::kinetic_energy(&world.particles);
+            let sums = &mut world.ledger.sums;
+            sums.boundary += kinetic - sums.kinetic;
+            sums.kinetic = kinetic;
+        }
+    }
+
+    /// Books what the stress has done.
+    pub fn book_stress(&mut self) {
+        if self.world.ledger.open {
+            self.world.ledger.collect();
+        }
+    }
+}
