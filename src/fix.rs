@@ -3,11 +3,15 @@
 pub mod body_force;
 pub mod check_solution;
 pub mod components;
+pub mod contact;
+pub mod cuttingtool;
 pub mod energy;
 pub mod force_nodes;
+pub mod indent;
 pub mod initial_stress;
 pub mod initial_velocity_nodes;
 pub mod initial_velocity_particles;
+pub mod push;
 pub mod temperature_nodes;
 pub mod temperature_particles;
 pub mod velocity_nodes;
@@ -58,6 +62,11 @@ pub trait Fix: Send {
         None
     }
 
+    /// Largest step \[T\] for which the forces of the last step are stable.
+    fn largest_step(&self) -> f64 {
+        f64::INFINITY
+    }
+
     /// The results `ID_x`, `ID_y`, `ID_z`, `ID_s`.
     fn results(&self, _world: &World) -> [f64; 4] {
         [0.0; 4]
@@ -90,6 +99,13 @@ pub struct Target {
     pub dimension: usize,
     /// Nodes have a temperature: heat is conducted.
     pub conducts_heat: bool,
+    /// Numbers of the two solids of a fix that acts on solids, which has no group.
+    pub solids: [usize; 2],
+}
+
+/// Does a fix act on two solids in place of a group?
+pub fn acts_on_solids(style: &str) -> bool {
+    style.starts_with("contact/")
 }
 
 impl Target {
@@ -133,11 +149,11 @@ pub const FIXES: &[Style<BuildFix>] = &[
     check_solution::STYLE,
     temperature_nodes::STYLE,
     temperature_particles::STYLE,
-    reserved("contact/hertz", "s1, s2", "Hertzian contact of two solids"),
-    reserved("contact/minimize_penetration", "s1, s2, mu", "contact without overlap"),
+    contact::hertz::STYLE,
+    contact::minimize_penetration::STYLE,
     reserved("contact/minimize_penetration/plane", "", "contact with a plane"),
-    reserved("cuttingtool", "K, xT,yT,zT, ...", "a wedge-shaped tool"),
-    reserved("indent", "sphere, K, x, y, z, R", "a spherical indenter"),
+    cuttingtool::STYLE,
+    indent::STYLE,
     reserved("indent/minimize_penetration", "", "an indenter without overlap"),
     reserved("damping_nodes", "c", "viscous damping of nodes"),
     reserved("damping_local_nodes", "beta", "local damping of nodes"),

@@ -13,6 +13,7 @@ pub mod neo_hookean;
 #[cfg(test)]
 mod plasticity;
 pub mod point;
+pub mod rigid;
 pub mod stages;
 pub mod state;
 pub mod von_mises;
@@ -68,7 +69,7 @@ pub const MATERIALS: &[Style<BuildMaterial>] = &[
     neo_hookean::STYLE,
     eos_strength::STYLE,
     von_mises::STYLE,
-    reserved("rigid", "[rho]", "prescribed motion"),
+    rigid::STYLE,
     reserved(
         "mohr-coulomb",
         "rho, E, nu, c, phi, psi [, sigma_t [, H, c_res, phi_res, psi_res]]",
@@ -192,6 +193,14 @@ pub trait Law: Send + Sync {
 
     /// Reference density rho0 \[M/L^d\].
     fn density(&self) -> f64;
+
+    /// Bulk and shear modulus K, G of the undeformed material \[P\]: the stiffness of contact.
+    fn moduli(&self) -> [f64; 2];
+
+    /// Does the body keep its shape and its velocity?
+    fn is_rigid(&self) -> bool {
+        false
+    }
 
     /// Largest wave speed of the undeformed material \[L/T\].
     fn reference_wave_speed(&self) -> f64;

@@ -8,3 +8,4 @@ pub mod group;
 pub mod lattice;
 pub mod ledger;
 pub mod particles;
+pub mod rigid;

@@ -16,6 +16,8 @@ pub struct Plan {
     pub node_places: bool,
     /// Something reads the energy ledger.
     pub ledger: bool,
+    /// A fix makes particles of two solids touch.
+    pub contact: bool,
     /// The wave speed of each particle is needed (dt is adaptive).
     pub wave_speed: bool,
     /// x is a radius.

@@ -12,7 +12,7 @@ use crate::kernel::gather::{self, Gather};
 use crate::kernel::points::{self, Points};
 use crate::kernel::sort::Sorter;
 use crate::kernel::tiles::{Report, Tiles};
-use crate::kernel::{conduction, dilation, filter, grid, scatter, walls};
+use crate::kernel::{conduction, dilation, filter, grid, rigid, scatter, walls};
 use crate::measure::{self, Captured};
 use crate::model::clock::Clock;
 use crate::model::column::Column;
@@ -199,6 +199,12 @@ impl Parts<'_> {
         if self.world.grid.keeps.temperature {
             conduction::conduct(&mut self.loops.tiles, self.world, self.clock.dt);
         }
+        if self.world.has_rigid_nodes() {
+            if !self.world.rigid.flagged {
+                rigid::flag(&mut self.loops.tiles, self.world);
+            }
+            rigid::set(&self.loops.tiles, self.world, self.clock.dt);
+        }
         self.loops.timing.end(Phase::Grid);
         self.act(Stage::PostUpdateGridState)?;
         self.hold_axis();
@@ -230,7 +236,15 @@ impl Parts<'_> {
         }
         let split = self.hooks.any(&[Stage::PostGridToPoint, Stage::PostAdvanceParticles]);
         let numbers = Gather::new(&self.transfer, self.clock.dt, second_mapping && !split);
+        let rigid = !self.world.rigid.particles.is_empty();
+        if rigid {
+            rigid::keep(self.world);
+        }
         let mut report = gather::sweep(&mut self.loops.tiles, self.world, numbers);
+        if rigid {
+            self.world.rigid.flagged = false;
+            report.farthest = report.farthest.max(rigid::restore(self.world, self.clock.dt));
+        }
         self.loops.timing.end(Phase::GridToPoints);
         self.book_transfer(second_mapping && !split);
         if split {
@@ -320,6 +334,9 @@ impl Parts<'_> {
             (false, true) => grid::divide(grid, parallel),
             (false, false) => grid::divide_and_clear(grid, parallel),
         }
+        if self.world.has_rigid_nodes() {
+            rigid::set_mapped(&mut self.world.grid);
+        }
         self.loops.timing.end(Phase::Grid);
         self.act(Stage::PostVelocitiesToGrid)?;
         if self.world.method.axisymmetric {
@@ -352,6 +369,10 @@ impl Parts<'_> {
     pub fn first_velocities(&mut self) -> Result<(), Fault> {
         let parallel = self.loops.tiles.parallel;
         grid::first_velocities(&mut self.world.grid, parallel);
+        if self.world.has_rigid_nodes() {
+            rigid::flag(&mut self.loops.tiles, self.world);
+            rigid::set_first(&mut self.world.grid);
+        }
         self.loops.timing.end(Phase::Grid);
         self.act(Stage::PostUpdateGridState)?;
         self.hold_axis();

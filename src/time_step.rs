@@ -17,6 +17,8 @@ pub enum Limit {
     Thermal,
     /// det(I + dt L) stays positive: 0.3/||L||.
     Rate,
+    /// Contact and tools are springs: 0.2 sqrt(m/k).
+    Contact,
     /// A step is at most 1.1 times the one before.
     Growth,
     /// `run_time` lands on its end.
@@ -32,6 +34,7 @@ impl Limit {
             Limit::Viscous => "viscous",
             Limit::Thermal => "thermal",
             Limit::Rate => "rate",
+            Limit::Contact => "contact",
             Limit::Growth => "growth",
             Limit::End => "end",
         }

@@ -10,6 +10,7 @@ use crate::model::group::Groups;
 use crate::model::lattice::Lattice;
 use crate::model::ledger::Ledger;
 use crate::model::particles::Particles;
+use crate::model::rigid::Rigid;
 use crate::region::Bounds;
 use std::cell::RefCell;
 use std::ops::Range;
@@ -32,6 +33,8 @@ pub struct Solid {
     pub columns: ColumnSet,
     /// What spreads in it and so limits the time step.
     pub spreading: Spreading,
+    /// It keeps its shape and its velocity.
+    pub rigid: bool,
 }
 
 /// Diffusivities \[L^2/T\] of the reference density.
@@ -73,6 +76,8 @@ pub struct World {
     pub boundary: Boundary,
     /// How temperatures pass from nodes to particles: 1 by increments, 0 by interpolation.
     pub thermal_blend: f64,
+    /// The particles of rigid solids.
+    pub rigid: Rigid,
 }
 
 thread_local! {
@@ -115,6 +120,11 @@ impl World {
             true => self.domain.of_limits(lower, bounds.upper, cell),
             false => self.domain,
         }
+    }
+
+    /// Do rigid solids carry nodes along (updated Lagrangian)?
+    pub fn has_rigid_nodes(&self) -> bool {
+        !self.method.total && self.solids.iter().any(|solid| solid.rigid)
     }
 
     /// The lattices that the method needs: one for all, or one for each solid.

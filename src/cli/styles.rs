@@ -4,7 +4,7 @@ use crate::command::COMMANDS;
 use crate::compute::COMPUTES;
 use crate::damage::DAMAGE;
 use crate::eos::EOS;
-use crate::fix::FIXES;
+use crate::fix::{FIXES, acts_on_solids};
 use crate::material::MATERIALS;
 use crate::method::METHODS;
 use crate::output::DUMPS;
@@ -91,6 +91,7 @@ fn written(family: &str, entry: &Entry) -> String {
         }
         "shape" => return format!("method(type, sub, {})", entry.name),
         "scheme" => return format!("scheme({})", entry.name),
+        "fix" if acts_on_solids(entry.name) => format!("fix(ID, {}", entry.name),
         "fix" | "compute" => format!("{family}(ID, {}, group", entry.name),
         "dump" => format!("dump(ID, group, {}, N, file", entry.name),
         _ => format!("{family}(ID, {}", entry.name),

@@ -3,7 +3,8 @@
 use super::scene::Scene;
 use super::{Action, action};
 use crate::compute::COMPUTES;
-use crate::fix::{FIXES, Fix, Target};
+use crate::fix::{self, FIXES, Fix, GroupKind, Target};
+use crate::model::group::GroupId;
 use crate::script::arguments::{Args, Name};
 use crate::script::diagnostic::{Code, Diagnostic};
 use crate::script::formula::Quantity;
@@ -20,10 +21,35 @@ fn target(args: &mut Args<'_>, scene: &Scene, id: &str) -> Result<Target, Diagno
         span: group.span,
         dimension,
         conducts_heat: scene.method.is_some_and(|choice| choice.method.conducts_heat),
+        solids: [0; 2],
     })
 }
 
-/// `fix(ID, style, group, ...)`
+/// Reads `s1, s2`.
+fn pair(args: &mut Args<'_>, scene: &Scene, id: &str) -> Result<Target, Diagnostic> {
+    let dimension = scene.need_domain(args.command)?.dimension;
+    let names = [args.word("a solid ID")?, args.word("a second solid ID")?];
+    let solids = [scene.solids.find(&names[0])?.0, scene.solids.find(&names[1])?.0];
+    let [_, second] = names;
+    if solids[0] == solids[1] {
+        let message = format!("contact of the solid `{}` with itself", second.text);
+        return Err(Diagnostic::error(Code::Duplicate, second.span, message)
+            .label("the same solid again: contact needs two"));
+    }
+    let (id, kind) = (id.to_string(), GroupKind::Particles);
+    let conducts_heat = scene.method.is_some_and(|choice| choice.method.conducts_heat);
+    Ok(Target {
+        id,
+        group: GroupId::ALL,
+        kind,
+        span: second.span,
+        dimension,
+        conducts_heat,
+        solids,
+    })
+}
+
+/// `fix(ID, style, group, ...)`, `fix(ID, contact/..., s1, s2, ...)`
 pub fn fix(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
     let id = args.word("a fix ID")?;
     let runs = scene.runs;
@@ -36,7 +62,10 @@ pub fn fix(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic>
     let word = args.word("a fix style")?;
     let (row, build) = style::find("fix", FIXES, &word)?;
     args.expect_usage(row.usage);
-    let target = target(args, scene, &id.text)?;
+    let target = match fix::acts_on_solids(row.name) {
+        true => pair(args, scene, &id.text)?,
+        false => target(args, scene, &id.text)?,
+    };
     let fix = build(args, &target)?;
     propose_reference(args, scene, &word, fix.as_ref());
     Ok(action(move |session| {

@@ -59,6 +59,7 @@ pub fn translate_particles(args: &mut Args<'_>, scene: &mut Scene) -> Result<Act
         span: name.span,
         dimension: scene.need_domain(args.command)?.dimension,
         conducts_heat: scene.method.is_some_and(|choice| choice.method.conducts_heat),
+        solids: [0; 2],
     };
     let by = Components::read(args, &target, ["dx", "dy", "dz"])?;
     let moved_out = Diagnostic::error(Code::Range, name.span, "a particle would leave the box")
@@ -100,8 +101,9 @@ pub fn populate(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagno
     }
     let points = Arc::new(points);
     let filling = Filling::Points(points.clone());
-    let cells = scene.solids.find(&solid)?.1.cells;
-    scene.solids.set(&solid.text, SolidEntry { filling, cells });
+    let known = scene.solids.find(&solid)?.1;
+    let entry = SolidEntry { filling, cells: known.cells, rigid: known.rigid };
+    scene.solids.set(&solid.text, entry);
     Ok(super::action(move |session| {
         session.simulation.replace_particles(number, &points);
         session.simulation.heat_solid(number, temperature);

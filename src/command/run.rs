@@ -12,7 +12,8 @@ use crate::simulation::Until;
 use std::io::Write;
 
 /// `set_dt(dt)`, `set_dt(auto)`
-pub fn set_dt(args: &mut Args<'_>, _scene: &mut Scene) -> Result<Action, Diagnostic> {
+pub fn set_dt(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
+    scene.fixed_dt = args.peek() != Some("auto");
     if args.keyword("auto") {
         return Ok(action(|session| session.simulation.fixed_dt = None));
     }
@@ -49,6 +50,14 @@ fn need_scene(args: &Args<'_>, scene: &mut Scene) -> Result<(), Diagnostic> {
         missing.push("a `solid(...)`");
     }
     scene.runs += 1;
+    let tried = scene.tried.iter().filter(|command| **command == "solid").count();
+    let only_rigid = scene.solids.iter().all(|(_, solid)| solid.rigid);
+    let all_made = tried > 0 && scene.solids.iter().count() == tried;
+    if missing.is_empty() && all_made && only_rigid && !scene.fixed_dt {
+        let message = "all solids are rigid: no time step follows from them";
+        return Err(Diagnostic::error(Code::Missing, args.command.span, message)
+            .label("needs `set_dt(dt)` above it"));
+    }
     if missing.is_empty() {
         return Ok(());
     }

@@ -111,6 +111,8 @@ pub struct SolidEntry {
     pub filling: Filling,
     /// The cells its particles were put in.
     pub cells: Domain,
+    /// It keeps its shape and gives no time step.
+    pub rigid: bool,
 }
 
 /// A group as declared.
@@ -166,6 +168,8 @@ pub struct Scene {
     pub dumps: Names<Declared>,
     /// Plots.
     pub plots: Names<Declared>,
+    /// `set_dt` has given the time step.
+    pub fixed_dt: bool,
     /// Number of runs so far.
     pub runs: usize,
     /// Commands a run needs that have been tried, well or not.
@@ -195,6 +199,7 @@ impl Default for Scene {
             computes: Names::new("compute"),
             dumps: Names::new("dump"),
             plots: Names::new("plot"),
+            fixed_dt: false,
             runs: 0,
             tried: Vec::new(),
         }

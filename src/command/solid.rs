@@ -92,7 +92,7 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
         follow_solid(args, scene, &domain, total)?;
     }
     check_size(&domain, &body, args)?;
-    let entry = SolidEntry { filling: body.filling, cells: domain };
+    let entry = SolidEntry { filling: body.filling, cells: domain, rigid: law.is_rigid() };
     if args.rehearsal() {
         check_solid(args, scene, &id, &body.name, &entry, total)?;
     }

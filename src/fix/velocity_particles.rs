@@ -17,7 +17,8 @@ pub const STYLE: Style<BuildFix> = Style {
     usage: "vx, vy, vz",
     summary: "prescribes the velocity of particles [L/T]; NULL leaves a component free",
     manual: "H1: v <- v(t). H5: v <- v(t+dt), x <- x_old + dt v.
-Publishes the force needed, sum m (v_set - v)/dt, in ID_x, ID_y, ID_z.",
+Publishes the force needed, sum m (v_set - v)/dt, in ID_x, ID_y, ID_z; for particles of rigid bodies
+less the force of the material on them.",
     build: Some(|args, target| {
         target.require("velocity_particles", &[GroupKind::Particles])?;
         let velocity = Components::read(args, target, ["vx", "vy", "vz"])?;
@@ -54,7 +55,7 @@ impl Fix for VelocityParticles {
     }
 
     fn apply(&mut self, stage: Stage, step: &mut Step<'_>) -> Result<(), Fault> {
-        let World { particles, groups, .. } = &mut *step.world;
+        let World { particles, groups, rigid, .. } = &mut *step.world;
         self.members.clear();
         self.members.extend(particles.of_group(groups, self.group));
         let members = self.members.iter().copied();
@@ -72,9 +73,11 @@ impl Fix for VelocityParticles {
         let now = Instant::end(&step.clock);
         let mut force = [0.0; 3];
         self.velocity.each(step.board, &now, members, place, |p, set| {
+            let reaction = rigid.reaction(p);
             for (axis, set) in set.into_iter().enumerate() {
                 if let Some(set) = set {
-                    force[axis] += position[p][3] * (set - velocity[p][axis]) / dt;
+                    let change = set - velocity[p][axis];
+                    force[axis] += position[p][3] * change / dt - reaction[axis];
                     velocity[p][axis] = set;
                     displacement[p][axis] = dt * set;
                 }

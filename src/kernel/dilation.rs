@@ -29,13 +29,16 @@ fn sweep_of<const D: usize, const W: usize, const ROUND: bool, S: Shape<W> + Syn
     let description = world.description();
     let total = world.method.total;
     let (dimension, deformation) = (world.tensor_dimension(), world.deformation_columns());
-    let World { particles, grid, .. } = world;
+    let World { particles, grid, solids, .. } = world;
     let places = if total { &particles.reference } else { &particles.position };
     let mapped = &grid.mapped;
     let dilation = Shared::new(&mut grid.dilation);
     tiles.sweep(|tile, _| {
         SCRATCH.with_borrow_mut(|scratch| {
             for range in of_one_solid(tile.range, &particles.solid) {
+                if solids[particles.solid[range.start] as usize].rigid {
+                    continue;
+                }
                 load_deformation(scratch, particles, dimension, deformation, range.clone());
                 let places = &places[range];
                 let (frame, shape) = (tile.frame, PhantomData);

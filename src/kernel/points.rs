@@ -47,6 +47,13 @@ pub struct Points {
     pub matrix_is_gradient: bool,
 }
 
+impl Points {
+    /// What is left of it for rigid bodies: they move.
+    fn of_rigid(self) -> Self {
+        Self { advance: self.advance, ..Self::default() }
+    }
+}
+
 /// Does what `points` says for every particle, in chunks of one law: L = sum v (x) grad N at the
 /// old place, the law, movement, and P2G (line 5) at the new place.
 pub fn sweep(tiles: &mut Tiles, world: &mut World, points: Points) -> Report {
@@ -107,14 +114,15 @@ fn sweep_of<const D: usize, const W: usize, const ROUND: bool, S: Shape<W> + Syn
     tiles.sweep(|tile: Tile<'_>, report| {
         SCRATCH.with_borrow_mut(|scratch| {
             for range in of_one_solid(tile.range, seen.solid) {
+                let solid = &seen.solids[seen.solid[range.start] as usize];
                 let part = Part::<'_, D, W, ROUND, S> {
-                    solid: &seen.solids[seen.solid[range.start] as usize],
+                    solid,
                     range,
                     seen: &seen,
                     lent: &lent,
                     scratch,
                     frame: *tile.frame,
-                    points,
+                    points: if solid.rigid { points.of_rigid() } else { points },
                     report,
                     shape: PhantomData,
                 };
@@ -457,6 +465,9 @@ pub fn at_rest(world: &World) -> Vec<Report> {
     let mut reports = vec![Report::default(); lattices];
     let mut speed = NOTHING;
     world.each_chunk(|range, solid, state| {
+        if solid.rigid {
+            return;
+        }
         let number = world.particles.solid[range.start] as usize;
         let report = &mut reports[if world.method.total { number } else { 0 }];
         solid.law.wave_speed(state, &mut speed);

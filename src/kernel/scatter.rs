@@ -120,13 +120,16 @@ fn external_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
     tiles: &mut Tiles,
     world: &mut World,
 ) {
-    let World { particles, grid, method, .. } = world;
+    let World { particles, grid, method, solids, .. } = world;
     let places = if method.total { &particles.reference } else { &particles.position };
     let nodes = Shared::new(&mut grid.nodes);
     let external = Shared::new(&mut grid.external);
     let force = [Column::Bx, Column::By, Column::Bz].map(|column| particles.column(column));
     tiles.sweep(|tile, _| {
         for p in tile.range {
+            if solids[particles.solid[p] as usize].rigid {
+                continue;
+            }
             let force: [f64; 3] = force.map(|column| column.get(p).copied().unwrap_or(0.0));
             let stencil = tile.frame.stencil::<Plain, D, W, S>(Plain::load(&places[p]));
             // SAFETY: tiles of one colour share no node (see `tiles`).

@@ -92,6 +92,10 @@ impl Sorter {
         tiles.frames.clear();
         tiles.frames.extend(world.grid.lattices.iter().map(|lattice| Frame::new(lattice, walls)));
         world.grid.gather_groups(&world.groups);
+        let World { particles, solids, rigid, .. } = world;
+        if solids.iter().any(|solid| solid.rigid) {
+            rigid.list(particles.len(), |p| solids[particles.solid[p] as usize].rigid);
+        }
     }
 
     /// Finds the order and the tiles.
@@ -234,6 +238,7 @@ impl Sorter {
                 copy(&mut grid.external, to, &old.external, from);
                 copy(&mut grid.displaced, to, &old.displaced, from);
                 copy(&mut grid.filtered, to, &old.filtered, from);
+                copy(&mut grid.rigid, to, &old.rigid, from);
             }
         }
     }
@@ -251,12 +256,13 @@ fn resize(grid: &mut Grid, count: usize) {
         array.clear();
         array.resize(count, T::default());
     }
-    let Keeps { external, displaced, filtered, dilation, temperature } = grid.keeps;
+    let Keeps { external, displaced, filtered, rigid, dilation, temperature } = grid.keeps;
     zeros::<Node>(&mut grid.nodes, count);
     zeros(&mut grid.mapped, count);
     zeros(&mut grid.external, if external { count } else { 0 });
     zeros(&mut grid.displaced, if displaced { count } else { 0 });
     zeros(&mut grid.filtered, if filtered { count } else { 0 });
+    zeros(&mut grid.rigid, if rigid { count } else { 0 });
     zeros(&mut grid.dilation, if dilation { count } else { 0 });
     zeros(&mut grid.temperature, if temperature { count } else { 0 });
     zeros(&mut grid.heating, if temperature { count } else { 0 });

@@ -75,7 +75,9 @@ fn small(dimension: usize) -> Tensor {
 
 #[test]
 fn every_row_that_can_be_built_is_tested_here() {
-    let built = MATERIALS.iter().filter(|style| style.build.is_some()).count();
+    // A rigid body has no stress: tests/verification/rigid.rs.
+    let stressed = |name: &str| name != "rigid";
+    let built = MATERIALS.iter().filter(|row| row.build.is_some() && stressed(row.name)).count();
     assert_eq!(built, laws().len());
 }
 

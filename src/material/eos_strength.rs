@@ -79,6 +79,10 @@ impl Law for EosStrength {
         self.eos.density()
     }
 
+    fn moduli(&self) -> [f64; 2] {
+        [self.eos.bulk(), self.strength.shear()]
+    }
+
     fn reference_wave_speed(&self) -> f64 {
         let mut state = State::default();
         (state.dimension, state.len) = (3, 1);

@@ -46,6 +46,10 @@ impl Law for Linear {
         self.0.density
     }
 
+    fn moduli(&self) -> [f64; 2] {
+        [self.0.bulk(), self.0.shear]
+    }
+
     fn reference_wave_speed(&self) -> f64 {
         self.0.wave_speed()
     }

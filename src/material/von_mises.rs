@@ -60,6 +60,10 @@ impl Law for VonMises {
         self.elastic.density
     }
 
+    fn moduli(&self) -> [f64; 2] {
+        [self.elastic.bulk(), self.elastic.shear]
+    }
+
     fn reference_wave_speed(&self) -> f64 {
         self.elastic.wave_speed()
     }

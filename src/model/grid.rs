@@ -36,6 +36,8 @@ pub struct Grid {
     pub filtered: Vec<[f64; 4]>,
     /// XPIC: nodes and axes whose velocity is prescribed in this step.
     pub held: Vec<(usize, usize)>,
+    /// Velocity of rigid bodies \[L/T\] and sum N V of their particles; empty without them.
+    pub rigid: Vec<[f64; 4]>,
     /// F-bar: m tr L of the particles, then the average of tr L; empty otherwise.
     pub dilation: Vec<f64>,
     /// Conduction of heat: sum N m cp T, then T_I \[K\], after the update T*_I; T*_I - T_I; unused;
@@ -64,6 +66,8 @@ pub struct Keeps {
     pub displaced: bool,
     /// Filtered velocities.
     pub filtered: bool,
+    /// Velocities of rigid bodies.
+    pub rigid: bool,
     /// Averages of tr L.
     pub dilation: bool,
     /// Temperatures.

@@ -23,7 +23,8 @@ Fields: x y z vx vy vz bx by bz mass mask rigid T ntypex ntypey ntypez: mass and
 particles give them at the end of the step, b the external force of the step, T as the particles
 give it in `thermo-mechanical` runs. Every node stands in
 the file once, with id (i ny + j) nz + k + 1, in total Lagrangian methods solid by solid (type) and
-at its current place; nodes without particles are 0.";
+at its current place; nodes without particles are 0. rigid is 1 on nodes that a rigid body carries
+along; they have its velocity, and the mass of the other bodies.";
 
 const fn row(name: &'static str, summary: &'static str, build: BuildDump) -> Style<BuildDump> {
     Style { name, usage: "field, ...", summary, manual: MANUAL, build: Some(build) }
@@ -159,6 +160,8 @@ fn values<'a>(name: &str, world: &'a World, nodes: &[Numbered]) -> Values<'a> {
         Values::Made(nodes.iter().map(|node| value(*node)).collect())
     };
     let active = |(lattice, node): Numbered| grid.lattices[lattice].window.local(node);
+    let rigid =
+        |node| active(node).and_then(|local| grid.rigid.get(local)).copied().unwrap_or_default();
     let axis = |names: [&str; 3]| names.iter().position(|known| *known == name);
     if let Some(axis) = axis(["x", "y", "z"]) {
         return each(&|node| place(world, node)[axis]);
@@ -166,6 +169,10 @@ fn values<'a>(name: &str, world: &'a World, nodes: &[Numbered]) -> Values<'a> {
     if let Some(axis) = axis(["vx", "vy", "vz"]) {
         return each(&|node| {
             let motion = active(node).map_or([0.0; 4], |local| grid.nodes[local].motion);
+            let carried = rigid(node);
+            if carried[3] > 0.0 {
+                return carried[axis];
+            }
             if motion[3] > grid.mass_cutoff { motion[axis] / motion[3] } else { 0.0 }
         });
     }
@@ -185,6 +192,7 @@ fn values<'a>(name: &str, world: &'a World, nodes: &[Numbered]) -> Values<'a> {
             active(node).and_then(|local| grid.temperature.get(local)).map_or(0.0, |t| t[0])
         }),
         "mass" => each(&|node| active(node).map_or(0.0, |local| grid.nodes[local].motion[3])),
+        "rigid" => each(&|node| if rigid(node)[3] > 0.0 { 1.0 } else { 0.0 }),
         "mask" => each(&|(lattice, node)| {
             let place = grid.lattices[lattice].place(node);
             let groups = world.groups.0.iter().take(MASK_BITS).enumerate();

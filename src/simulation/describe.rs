@@ -234,6 +234,7 @@ impl Simulation {
             (
                 "contact",
                 match self.world.method.total {
+                    _ if plan.contact => "on: a contact fix".to_string(),
                     true => "off: bodies have grids of their own and no contact fix".to_string(),
                     false => "the grid's own, where bodies share nodes".to_string(),
                 },

@@ -5,7 +5,7 @@ use crate::compute::energy::{kinetic_energy, strain_energy};
 use crate::fault::Fault;
 use crate::interrupt;
 use crate::kernel::tiles::Report;
-use crate::kernel::{conduction, points};
+use crate::kernel::{conduction, points, rigid};
 use crate::model::column::{Column, ColumnSet};
 use crate::model::grid::Keeps;
 use crate::model::group::GroupId;
@@ -169,6 +169,7 @@ impl Simulation {
         let deformation = self.world.deformation_columns();
         let of_laws: Vec<ColumnSet> =
             self.world.solids.iter().map(|solid| self.world.columns_of(&*solid.law)).collect();
+        let rigid_nodes = self.world.has_rigid_nodes();
         let World { particles, grid, solids, method, domain, .. } = &mut self.world;
         particles.require(self.plan.columns);
         if method.total {
@@ -190,6 +191,7 @@ impl Simulation {
             external: self.plan.external_force,
             displaced: method.total && self.plan.node_places,
             filtered: self.transfer.filter_terms().is_some(),
+            rigid: rigid_nodes,
             dilation: method.averaged_dilation,
             temperature: method.conducts_heat && heated,
         };
@@ -314,6 +316,9 @@ impl Simulation {
         let steps = reports.iter().enumerate().map(|(lattice, report)| {
             time_step::stable(report, cell(lattice), dimension, self.dt_factor * courant)
         });
+        let springs = self.fixes.iter().map(|(_, fix)| fix.largest_step());
+        let dt = springs.fold(f64::INFINITY, f64::min);
+        let steps = steps.chain(std::iter::once(TimeStep { dt, limit: Limit::Contact }));
         let none = TimeStep { dt: f64::INFINITY, limit: Limit::Acoustic };
         steps.fold(none, |least, step| if step.dt < least.dt { step } else { least })
     }
@@ -381,6 +386,11 @@ impl Simulation {
         }
         if self.world.grid.keeps.temperature && self.outputs.dump_is_due(self.clock.step) {
             conduction::collect(&mut self.loops.tiles, &mut self.world);
+        }
+        if self.outputs.dump_is_due(self.clock.step) && self.world.has_rigid_nodes() {
+            rigid::flag(&mut self.loops.tiles, &mut self.world);
+            // Fixes may yet change the velocities of the coming step.
+            self.world.rigid.flagged = false;
         }
         let slots = self.outputs.slots_due(self.clock.step, last);
         self.refresh(&slots);

@@ -16,6 +16,7 @@ use crate::model::group::{Group, GroupId, Groups, Members, NodePart};
 use crate::model::lattice::Lattice;
 use crate::model::ledger::Ledger;
 use crate::model::particles::Particles;
+use crate::model::rigid::Rigid;
 use crate::output::Outputs;
 use crate::plan::Plan;
 use crate::region::Region;
@@ -74,6 +75,7 @@ impl Simulation {
             rate: StressRate::default(),
             boundary: Boundary::default(),
             thermal_blend: 0.99,
+            rigid: Rigid::default(),
         };
         Self {
             world,
@@ -172,6 +174,7 @@ impl Simulation {
         let columns = self.world.columns_of(&*law);
         self.world.particles.require(columns);
         let temperature = law.initial_temperature();
+        let rigid = law.is_rigid();
         self.world.solids.push(Solid {
             name: name.to_string(),
             material: material.to_string(),
@@ -180,6 +183,7 @@ impl Simulation {
             cells: domain,
             columns,
             spreading: Spreading::default(),
+            rigid,
         });
         let number = self.world.solids.len() - 1;
         let count = self.push_particles(number, each);

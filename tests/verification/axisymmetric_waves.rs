@@ -93,6 +93,9 @@ impl Law for WithoutHoop {
     fn is_incremental(&self) -> bool {
         true
     }
+    fn moduli(&self) -> [f64; 2] {
+        self.0.moduli()
+    }
     fn density(&self) -> f64 {
         self.0.density()
     }

@@ -95,6 +95,9 @@ impl Law for Recording {
     fn density(&self) -> f64 {
         self.law.density()
     }
+    fn moduli(&self) -> [f64; 2] {
+        self.law.moduli()
+    }
     fn reference_wave_speed(&self) -> f64 {
         self.law.reference_wave_speed()
     }

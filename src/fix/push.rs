@@ -1,0 +1,141 @@
+//! Forces of tools on the particles of a group.
+
+use super::contact::largest_step;
+use crate::fault::Fault;
+use crate::model::clock::Clock;
+use crate::model::column::Column;
+use crate::model::group::GroupId;
+use crate::plan::Plan;
+use crate::script::arguments::{Args, Place};
+use crate::script::diagnostic::Diagnostic;
+use crate::script::formula::{Board, Formula, Instant};
+use crate::world::World;
+
+/// What a tool does to a particle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Thrust {
+    /// Force \[M L/T^2\].
+    pub force: [f64; 3],
+    /// Its stiffness \[M/T^2\].
+    pub stiffness: f64,
+}
+
+/// A group of particles that a tool pushes, and what it came to.
+pub struct Pushed {
+    group: GroupId,
+    members: Vec<usize>,
+    total: [f64; 3],
+    /// Work done on the particles so far \[M L^2/T^2\].
+    work: f64,
+    /// Largest stiffness over mass \[1/T^2\].
+    rate: f64,
+}
+
+impl Pushed {
+    /// The particles of a group.
+    pub fn new(group: GroupId) -> Self {
+        Self { group, members: Vec::new(), total: [0.0; 3], work: 0.0, rate: 0.0 }
+    }
+
+    /// The columns it writes.
+    pub fn needs(plan: &mut Plan, dimension: usize) {
+        plan.columns.extend(&[Column::Bx, Column::By, Column::Bz][..dimension]);
+    }
+
+    /// mbp += what `thrust` gives for each particle of the group; rigid bodies are not pushed.
+    pub fn push(
+        &mut self,
+        world: &mut World,
+        dt: f64,
+        thrust: impl Fn(&World, usize) -> Option<Thrust>,
+    ) {
+        self.members.clear();
+        self.members.extend(world.particles.of_group(&world.groups, self.group));
+        (self.total, self.rate) = ([0.0; 3], 0.0);
+        for p in self.members.iter().copied() {
+            let Some(Thrust { force, stiffness }) = thrust(world, p) else { continue };
+            if world.solids[world.particles.solid[p] as usize].rigid {
+                continue;
+            }
+            let velocity = world.particles.velocity[p];
+            self.rate = self.rate.max(stiffness / world.particles.position[p][3]);
+            let columns = [Column::Bx, Column::By, Column::Bz].into_iter().enumerate();
+            for (axis, column) in columns {
+                if let Some(sum) = world.particles.column_mut(column).get_mut(p) {
+                    *sum += force[axis];
+                    self.total[axis] += force[axis];
+                    self.work += dt * force[axis] * velocity[axis];
+                }
+            }
+        }
+    }
+
+    /// Largest stable step \[T\].
+    pub fn largest_step(&self) -> f64 {
+        largest_step(self.rate)
+    }
+
+    /// The total force and the work done so far.
+    pub fn results(&self) -> [f64; 4] {
+        let [x, y, z] = self.total;
+        [x, y, z, self.work]
+    }
+}
+
+/// Numbers of a tool: formulas of time, evaluated at the start of each step.
+pub struct Numbers<const N: usize> {
+    id: String,
+    formulas: [Formula; N],
+}
+
+impl<const N: usize> Numbers<N> {
+    /// Reads them in the order of their names.
+    ///
+    /// # Errors
+    /// One is missing or reads a place.
+    pub fn read(args: &mut Args<'_>, id: &str, names: [&str; N]) -> Result<Self, Diagnostic> {
+        let mut formulas = Vec::with_capacity(N);
+        for name in names {
+            formulas.push(args.formula(name, Place::Nowhere)?);
+        }
+        let mut formulas = formulas.into_iter();
+        let formulas = names.map(|_| formulas.next().unwrap_or_else(|| Formula::constant(0.0)));
+        Ok(Self { id: id.to_string(), formulas })
+    }
+
+    /// The formulas.
+    pub fn formulas(&self) -> Vec<&Formula> {
+        self.formulas.iter().collect()
+    }
+
+    /// The numbers, if all are constants that are known.
+    pub fn constants(&self) -> Option<[f64; N]> {
+        let mut values = [0.0; N];
+        for (value, formula) in values.iter_mut().zip(&self.formulas) {
+            *value = formula.as_constant().filter(|_| formula.is_known())?;
+        }
+        Some(values)
+    }
+
+    /// The numbers at the start of a step.
+    ///
+    /// # Errors
+    /// One is not finite.
+    pub fn now(&self, board: &Board, clock: &Clock) -> Result<[f64; N], Fault> {
+        let now = Instant::start(clock);
+        let mut values = [0.0; N];
+        for (value, formula) in values.iter_mut().zip(&self.formulas) {
+            *value = formula.value(board, &now);
+            if !value.is_finite() {
+                return Err(Fault::run(format!(
+                    "fix `{}`: `{}` is {value} at step {}, time {:.6e}",
+                    self.id,
+                    formula.text(),
+                    now.step,
+                    now.time
+                )));
+            }
+        }
+        Ok(values)
+    }
+}
