@@ -1,8 +1,8 @@
 //! A step allocates nothing.
 
 use karamelo::compute::energy_ledger::EnergyLedger;
-use karamelo::material::Elastic;
 use karamelo::material::linear::Linear;
+use karamelo::material::{Elastic, Thermal};
 use karamelo::method::Method;
 use karamelo::model::domain::Domain;
 use karamelo::output::Outputs;
@@ -58,12 +58,14 @@ fn disk(
     let domain = Domain { dimension: 2, lower, upper, cell: 0.05 };
     let mut simulation = Simulation::new(domain, Outputs::silent());
     let averaged_dilation = shape != ShapeKind::Linear;
-    let method = Method { total, shape, averaged_dilation, axisymmetric, ..Method::default() };
+    let conducts_heat = true;
+    let method = Method { total, shape, averaged_dilation, axisymmetric, conducts_heat };
     simulation.set_method(method);
     simulation.set_scheme(scheme);
     simulation.transfer = transfer;
     let disk = Sphere { dimension: 2, centre: [0.5, 0.5, 0.0], radius: 0.3 };
-    let law = Arc::new(Linear(Elastic::new(1000.0, 1e4, 0.3)));
+    let thermal = Thermal { capacity: 10.0, conductivity: 1.0 };
+    let law = Arc::new(Linear(Elastic { thermal, ..Elastic::new(1000.0, 1e4, 0.3) }));
     simulation.add_solid("disk", "mat", law, &disk, 2);
     let particles = &mut simulation.world.particles;
     for (v, x) in particles.velocity.iter_mut().zip(&particles.position) {

@@ -14,13 +14,13 @@ dimension(3, 0, 1, 0, 1, 0, 2, h)
 region(low, block, 0.1, 0.9, 0.1, 0.9, 0.1, 0.7)
 region(ball, sphere, 0.5, 0.5, 1.05, 0.25)
 region(ground, block, INF, INF, INF, INF, INF, 0.1 + h/4)
-material(soft, neo-hookean, 1000, 1e5, 0.3)
+material(soft, neo-hookean, 1000, 1e5, 0.3, 500, 1e4)
 eos(curve, shock, 2000, 5.6e5, 20, 1.5, 2, 383, 298, 1.5, 0.1)
 strength(flow, johnson_cook, 4.2e5, 1e4, 2e4, 0.3, 1, 0.02, 1, 298, 1356)
 damage(crack, damage_johnson_cook, 0.3, 0.1, -1, 0.01, 0.5, 1, 298, 1356)
-temperature(heat, plastic_work, 0.9, 383, 0, 1e-5, 298, 1356)
+temperature(heat, plastic_work, 0.9, 383, 2e4, 1e-5, 298, 1356)
 material(hard, eos-strength, curve, flow, crack, heat)
-solid(base, region, low, 2, soft, h)
+solid(base, region, low, 2, soft, h, 298)
 solid(body, region, ball, 2, hard, h)
 group(particles, particles, region, ball, solid, body)
 group(floor, nodes, region, ground)
@@ -34,7 +34,7 @@ set_output(10)
 dump(a, all, particle, 20, p.*.dump, x, y, z, vx, vy, vz, seq, s11, s23, volume, ep, T, damage)
 dump(b, all, particle/gz, 60, p.*.gz, x, y, z, e11)
 dump(c, all, particle/bin, 60, p.*.bin, x, y, z, e11)
-dump(d, all, grid, 60, g.*.dump, x, y, z, vx, vy, vz, mass)
+dump(d, all, grid, 60, g.*.dump, x, y, z, vx, vy, vz, mass, T)
 ";
 
 /// A ball of revolution that flies against a ring, on the axis.
@@ -60,13 +60,15 @@ dump(d, all, grid, 60, g.*.dump, x, y, vx, vy, mass)
 ";
 
 /// Lines in place of `method(...)`: every sweep over particles and nodes is run by one of them.
-const METHODS: [&str; 6] = [
+const METHODS: [&str; 8] = [
     "method(ulmpm, FLIP, linear, 0.99)",
     "method(ulmpm, AFLIP, cubic-spline, 0.99)\nscheme(usl)",
     "method(ulmpm, XPIC, 2, quadratic-spline)\nscheme(usf)\nanti_locking(fbar)",
     "method(ulmpm, MLS, quadratic-spline)",
     "method(tlmpm, FLIP, Bernstein-quadratic, 0.99)\nanti_locking(fbar)",
     "method(tlmpm, ASFLIP, cubic-spline, 0.99)",
+    "method(ulmpm, FLIP, linear, 0.99, thermo-mechanical)",
+    "method(tlmpm, FLIP, quadratic-spline, 0.99, thermo-mechanical)",
 ];
 
 /// Runs the script; gives the bytes of all dumps and the rows of the log.
