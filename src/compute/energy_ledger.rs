@@ -26,10 +26,12 @@ Acts on `all`. Kept from the first run below it on; a scene without it pays noth
   ID_numerical  kinetic energy lost on the way from particles to nodes and back (PIC, FLIP < 1)
   ID_residual   kinetic + stored + losses + numerical - external - boundary, less its start
   ID_error      residual over the largest term so far
-The stress works V0 (J sigma + J' sigma') : D dt/2 in a step, nodal forces f . (v + v*)/2 dt, which is
-the change of the kinetic energy of the nodes to the last digit. So the residual is the error of
-the time integration alone: the work of the stress on the particles less that of the internal
-forces on the nodes. It falls with dt.",
+The stress works V0 (J sigma + J' sigma') : D dt/2 in a step, nodal forces f . w dt with the mean
+w = (p + p')/(2 m) of the momenta that the particles bring before and after (with `usl`, and with
+MLS under `musl`, w = (v + v*)/2). FLIP with alpha = 1 then gains that work to the last digit. So
+the residual is the error of the time integration alone: the work of the stress on the particles
+less that of the internal forces on the nodes, taken in the middle of a step, to which velocities
+belong. It falls with dt. The columns of one row add up to it but for half the last step's work.",
     build: Some(|_, target| {
         target.require("energy_ledger", &[GroupKind::All])?;
         Ok(Box::new(EnergyLedger))
