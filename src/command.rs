@@ -91,11 +91,16 @@ pub const COMMANDS: &[Style<Read>] = &[
         "another word for anti_locking",
         method::anti_volumetric_locking,
     ),
-    row(
-        "thermal_blend",
-        "a",
-        "temperatures from increments (1) or interpolation (0), 0.99",
-        method::thermal_blend,
+    explained(
+        row(
+            "thermal_blend",
+            "a",
+            "temperatures from increments (1) or interpolation (0), 0.99",
+            method::thermal_blend,
+        ),
+        "T_p <- a (T_p + sum N (T* - T)) + (1 - a) sum N T*. Interpolation conducts by itself, like a
+diffusivity of about (1 - a) h^2/dt: with the short steps of metals the default outweighs the
+material. Where conduction counts write thermal_blend(1).",
     ),
     explained(
         row(
