@@ -71,13 +71,15 @@ pub const COMMANDS: &[Style<Read>] = &[
         "number of dimensions, box and cell size [L]",
         domain::dimension,
     ),
-    Style {
-        name: "axisymmetric",
-        usage: "true|false",
-        summary: "2-D with x as the radius: everything per radian",
-        manual: domain::AXISYMMETRIC,
-        build: Some(domain::axisymmetric),
-    },
+    explained(
+        row(
+            "axisymmetric",
+            "true|false",
+            "2-D with x as the radius: everything per radian",
+            domain::axisymmetric,
+        ),
+        domain::AXISYMMETRIC,
+    ),
     row(
         "stress_rate",
         "none|jaumann|green_naghdi|logarithmic",

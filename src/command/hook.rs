@@ -20,7 +20,7 @@ fn target(args: &mut Args<'_>, scene: &Scene, id: &str) -> Result<Target, Diagno
         kind: entry.kind,
         span: group.span,
         dimension,
-        conducts_heat: scene.method.is_some_and(|choice| choice.method.conducts_heat),
+        conducts_heat: scene.conducts_heat(),
         solids: [0; 2],
     })
 }
@@ -37,7 +37,7 @@ fn pair(args: &mut Args<'_>, scene: &Scene, id: &str) -> Result<Target, Diagnost
             .label("the same solid again: contact needs two"));
     }
     let (id, kind) = (id.to_string(), GroupKind::Particles);
-    let conducts_heat = scene.method.is_some_and(|choice| choice.method.conducts_heat);
+    let conducts_heat = scene.conducts_heat();
     Ok(Target {
         id,
         group: GroupId::ALL,

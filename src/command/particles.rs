@@ -58,7 +58,7 @@ pub fn translate_particles(args: &mut Args<'_>, scene: &mut Scene) -> Result<Act
         kind: GroupKind::Particles,
         span: name.span,
         dimension: scene.need_domain(args.command)?.dimension,
-        conducts_heat: scene.method.is_some_and(|choice| choice.method.conducts_heat),
+        conducts_heat: scene.conducts_heat(),
         solids: [0; 2],
     };
     let by = Components::read(args, &target, ["dx", "dy", "dz"])?;

@@ -228,6 +228,11 @@ impl Scene {
         })
     }
 
+    /// Is the method known to be `thermo-mechanical`?
+    pub fn conducts_heat(&self) -> bool {
+        self.method.is_some_and(|choice| choice.method.conducts_heat)
+    }
+
     /// The method, or the default of old scripts with a warning.
     pub fn need_method(&mut self, args: &mut Args<'_>) -> Choice {
         *self.method.get_or_insert_with(|| {

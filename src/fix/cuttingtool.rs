@@ -45,26 +45,28 @@ enum Values {
     Root(Numbers<6>),
 }
 
-impl Values {
-    /// K (`None`: the root law) and the points T, A, B.
-    fn split(&self, eleven: Option<[f64; 11]>, six: Option<[f64; 6]>) -> Option<Shape> {
-        match self {
-            Values::Linear(_) => eleven.map(|[k, x, y, _, _, _, _, ax, ay, bx, by]| Shape {
-                factor: Some(k),
-                points: [[x, y], [ax, ay], [bx, by]],
-            }),
-            Values::Root(_) => six.map(|[x, y, ax, ay, bx, by]| Shape {
-                factor: None,
-                points: [[x, y], [ax, ay], [bx, by]],
-            }),
-        }
-    }
-}
-
 /// The wedge at one time.
 struct Shape {
     factor: Option<f64>,
     points: [[f64; 2]; 3],
+}
+
+impl Shape {
+    /// The linear law: K, the tip, its velocity, A and B.
+    fn linear([k, x, y, _, _, _, _, ax, ay, bx, by]: [f64; 11]) -> Self {
+        Self { factor: Some(k), points: [[x, y], [ax, ay], [bx, by]] }
+    }
+
+    /// The law of the paper: the tip, A and B.
+    fn root([x, y, ax, ay, bx, by]: [f64; 6]) -> Self {
+        Self { factor: None, points: [[x, y], [ax, ay], [bx, by]] }
+    }
+
+    /// Its half planes; `None` if the points lie on one line.
+    fn wedge(&self) -> Option<Wedge> {
+        let [tip, a, b] = self.points;
+        Wedge::new(tip, a, b)
+    }
 }
 
 /// Two half planes.
@@ -121,12 +123,10 @@ impl CuttingTool {
             Values::Root(Numbers::read(args, &id, names)?)
         };
         let shape = match &values {
-            Values::Linear(numbers) => values.split(numbers.constants(), None),
-            Values::Root(numbers) => values.split(None, numbers.constants()),
+            Values::Linear(numbers) => numbers.constants().map(Shape::linear),
+            Values::Root(numbers) => numbers.constants().map(Shape::root),
         };
-        if let Some(Shape { points: [tip, a, b], .. }) = shape
-            && Wedge::new(tip, a, b).is_none()
-        {
+        if shape.is_some_and(|shape| shape.wedge().is_none()) {
             let message = "the points T, A and B of the tool lie on one line";
             return Err(Diagnostic::error(Code::Range, span, message).label("not a wedge"));
         }
@@ -135,17 +135,10 @@ impl CuttingTool {
 
     fn shape(&self, step: &Step<'_>) -> Result<(Option<f64>, Wedge), Fault> {
         let shape = match &self.values {
-            Values::Linear(numbers) => {
-                self.values.split(Some(numbers.now(step.board, &step.clock)?), None)
-            }
-            Values::Root(numbers) => {
-                self.values.split(None, Some(numbers.now(step.board, &step.clock)?))
-            }
+            Values::Linear(numbers) => Shape::linear(numbers.now(step.board, &step.clock)?),
+            Values::Root(numbers) => Shape::root(numbers.now(step.board, &step.clock)?),
         };
-        let wedge = shape.and_then(|Shape { factor, points: [tip, a, b] }| {
-            Wedge::new(tip, a, b).map(|wedge| (factor, wedge))
-        });
-        wedge.ok_or_else(|| {
+        shape.wedge().map(|wedge| (shape.factor, wedge)).ok_or_else(|| {
             Fault::run(format!(
                 "fix `{}`: the points T, A and B of the tool lie on one line at step {}, time {:.6e}",
                 self.id, step.clock.step, step.clock.time

@@ -162,6 +162,11 @@ fn minus(a: Place, b: Place) -> Place {
     std::array::from_fn(|axis| a[axis] - b[axis])
 }
 
+/// The third component of a x b.
+fn cross(a: Place, b: Place) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
 fn determinant(a: Place, b: Place, c: Place) -> f64 {
     a[0] * (b[1] * c[2] - b[2] * c[1])
         + a[1] * (b[2] * c[0] - b[0] * c[2])
@@ -178,7 +183,6 @@ fn mean(corners: &[Place]) -> Place {
 /// hexahedra, prisms and pyramids are the bilinear ones through their corners.
 pub fn measure(family: Family, corners: &[Place]) -> Measure {
     let simple = |volume: f64| Measure { volume, centroid: mean(corners), folded: false };
-    let cross = |a: Place, b: Place| a[0] * b[1] - a[1] * b[0];
     match *corners {
         [a, b] => simple(b[0] - a[0]),
         [a, b, c] => simple(0.5 * cross(minus(b, a), minus(c, a))),
@@ -195,7 +199,6 @@ pub fn measure(family: Family, corners: &[Place]) -> Measure {
 
 /// Two triangles: a with the first two, and with the last two of the others.
 fn quadrangle(a: Place, [b, c, d]: [Place; 3]) -> Measure {
-    let cross = |a: Place, b: Place| a[0] * b[1] - a[1] * b[0];
     let (first, second) = (0.5 * cross(b, c), 0.5 * cross(c, d));
     let volume = first + second;
     let centroid = std::array::from_fn(|axis| {

@@ -50,19 +50,17 @@ pub fn read(bytes: &[u8], dimension: usize) -> Result<Mesh, Mistake> {
             "there is no element of dimension {dimension} ({names})"
         )));
     }
-    if let Some(line) = repeated.first() {
-        let count = repeated.len();
-        mesh.remarks.push(format!(
-            "elements that stand there twice count once ({count}, the first one in line {line})"
-        ));
-    }
-    if let Some(line) = curved.first() {
-        let count = curved.len();
-        mesh.remarks.push(format!(
-            "curved elements are taken with straight edges ({count}, the first one in line {line})"
-        ));
-    }
+    remark(&mut mesh.remarks, &repeated, "elements that stand there twice count once");
+    remark(&mut mesh.remarks, &curved, "curved elements are taken with straight edges");
     Ok(mesh)
+}
+
+/// Adds what is odd about the elements in some lines, if there are any.
+fn remark(remarks: &mut Vec<String>, lines: &[usize], what: &str) {
+    if let Some(line) = lines.first() {
+        let count = lines.len();
+        remarks.push(format!("{what} ({count}, the first one in line {line})"));
+    }
 }
 
 impl Mesh {
@@ -110,16 +108,11 @@ impl Mesh {
             place[self.dimension..].fill(0.0);
             points.list.push(Point { place, volume: found.volume.abs() });
         }
-        let mut remark = |lines: &[usize], what: &str| {
-            if let Some(line) = lines.first() {
-                let count = lines.len();
-                points.remarks.push(format!("{what} ({count}, the first one in line {line})"));
-            }
-        };
+        let remarks = &mut points.remarks;
         if upright > 0 {
-            remark(&turned, "elements turned over against the others count with |V|");
+            remark(remarks, &turned, "elements turned over against the others count with |V|");
         }
-        remark(&folded, "folded elements count with the volume of their map");
+        remark(remarks, &folded, "folded elements count with the volume of their map");
         if depth[1] > depth[0] {
             let what = "coordinates beyond the dimension of the problem differ; they are ignored";
             points.remarks.push(what.to_string());

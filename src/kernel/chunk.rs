@@ -8,8 +8,10 @@ use crate::material::state::{STRESS, load_tensor, symmetric_tensor};
 use crate::material::{Chunk, GROUPS, LANES, Lane, Law, NOTHING, State};
 use crate::math::v4::{Sweep, Wide, dispatch};
 use crate::math::wide::{cofactors, product, product_transposed};
-use crate::model::column::Column;
+use crate::model::column::{Column, ColumnSet};
+use crate::model::particles::Particles;
 use std::cell::RefCell;
+use std::ops::Range;
 
 /// Columns 0, 1, 2 of a tensor of each particle.
 pub type Records = [[[f64; 4]; LANES]; 3];
@@ -64,6 +66,19 @@ impl Scratch {
             failed: None,
             clipped: 0,
         }
+    }
+
+    /// Loads those of some columns that the particles have.
+    pub fn load(
+        &mut self,
+        particles: &Particles,
+        dimension: usize,
+        set: ColumnSet,
+        range: Range<usize>,
+    ) {
+        let set = set.common(particles.present);
+        self.state
+            .load(dimension, range.len(), set, |column| &particles.column(column)[range.clone()]);
     }
 
     /// gradient <- factor times records, entry by entry.

@@ -14,7 +14,6 @@ use crate::material::{Description, LANES, Thermal};
 use crate::math::v4::{Sweep, Wide, dispatch};
 use crate::math::wide::{Four, cofactors};
 use crate::model::column::{Column, ColumnSet};
-use crate::model::particles::Particles;
 use crate::shape::Shape;
 use crate::world::World;
 use std::marker::PhantomData;
@@ -131,10 +130,16 @@ fn conduct_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
     let shared = Shared::new(&mut heating);
     let places = places(world);
     let total = world.description() == Description::Total;
+    // F where the weights belong to reference places.
+    let mut columns = ColumnSet::default();
+    columns.insert(Column::J);
+    if total {
+        columns.extend(Column::deformation(D));
+    }
     tiles.sweep(|tile, _| {
         SCRATCH.with_borrow_mut(|scratch| {
             each_chunk(world, tile.range, |range, thermal| {
-                load_deformation(scratch, &world.particles, D, total, range.clone());
+                scratch.load(&world.particles, D, columns, range.clone());
                 dispatch(Conduct::<'_, D, W, S> {
                     places: &places[range.clone()],
                     velocity: &world.particles.velocity[range],
@@ -150,25 +155,6 @@ fn conduct_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
         });
     });
     world.grid.heating = heating;
-}
-
-/// J of a chunk, and F where the weights belong to reference places.
-fn load_deformation(
-    scratch: &mut Scratch,
-    particles: &Particles,
-    dimension: usize,
-    total: bool,
-    range: Range<usize>,
-) {
-    let mut set = ColumnSet::default();
-    set.insert(Column::J);
-    if total {
-        set.extend(Column::deformation(dimension));
-    }
-    let set = set.common(particles.present);
-    scratch
-        .state
-        .load(dimension, range.len(), set, |column| &particles.column(column)[range.clone()]);
 }
 
 /// heating += V q . grad N of a chunk.

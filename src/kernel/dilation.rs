@@ -10,8 +10,7 @@ use crate::material::state::load_tensor;
 use crate::material::{Description, LANES};
 use crate::math::v4::{Sweep, Wide, dispatch};
 use crate::math::wide::{Four, cofactors, in_space};
-use crate::model::column::{Column, ColumnSet};
-use crate::model::particles::Particles;
+use crate::model::column::ColumnSet;
 use crate::shape::Shape;
 use crate::world::World;
 use std::marker::PhantomData;
@@ -28,7 +27,9 @@ fn sweep_of<const D: usize, const W: usize, const ROUND: bool, S: Shape<W> + Syn
 ) {
     let description = world.description();
     let total = world.method.total;
-    let (dimension, deformation) = (world.tensor_dimension(), world.deformation_columns());
+    let dimension = world.tensor_dimension();
+    let mut deformation = ColumnSet::default();
+    deformation.extend(world.deformation_columns());
     let World { particles, grid, solids, .. } = world;
     let places = if total { &particles.reference } else { &particles.position };
     let mapped = &grid.mapped;
@@ -39,7 +40,7 @@ fn sweep_of<const D: usize, const W: usize, const ROUND: bool, S: Shape<W> + Syn
                 if solids[particles.solid[range.start] as usize].rigid {
                     continue;
                 }
-                load_deformation(scratch, particles, dimension, deformation, range.clone());
+                scratch.load(particles, dimension, deformation, range.clone());
                 let places = &places[range];
                 let (frame, shape) = (tile.frame, PhantomData);
                 dispatch(Part::<'_, D, W, ROUND, S> {
@@ -113,21 +114,6 @@ impl<const D: usize, const W: usize, const ROUND: bool, S: Shape<W>> Sweep
             }
         }
     }
-}
-
-/// F of a chunk, where the scene has it.
-fn load_deformation(
-    scratch: &mut Scratch,
-    particles: &Particles,
-    dimension: usize,
-    deformation: &[Column],
-    range: std::ops::Range<usize>,
-) {
-    let mut set = ColumnSet::default();
-    set.extend(deformation);
-    scratch.state.load(dimension, range.len(), set.common(particles.present), |column| {
-        &particles.column(column)[range.clone()]
-    });
 }
 
 /// tr L; total Lagrangian: dF/dt : F^-T.

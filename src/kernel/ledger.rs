@@ -7,16 +7,6 @@ use crate::math::tensor::Tensor;
 use crate::model::column::Column;
 use crate::model::grid::Grid;
 use crate::model::ledger::{Ledger, Share};
-use crate::model::particles::Particles;
-
-/// sum m v^2/2 of all particles \[M L^2/T^2\].
-pub fn kinetic_energy(particles: &Particles) -> f64 {
-    let mut sum = 0.0;
-    for (place, [x, y, z, _]) in particles.position.iter().zip(&particles.velocity) {
-        sum += 0.5 * place[3] * (x * x + y * y + z * z);
-    }
-    sum
-}
 
 /// Takes momenta and internal forces: after P2G, before anything else acts on the nodes.
 pub fn note_internal(ledger: &mut Ledger, grid: &Grid) {

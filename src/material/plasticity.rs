@@ -276,12 +276,12 @@ fn shock_pressures_are_the_published_ones() {
     }
 }
 
-/// p of a volume ratio.
-fn pressure(eos: &dyn Eos, j: f64) -> f64 {
+/// Seven particles at rest with one value of a column, in the hands of `act`.
+fn seven_with(column: Column, value: f64, act: impl FnOnce(&mut Chunk<'_>)) -> State {
     let mut state = State::default();
     (state.dimension, state.len) = (3, 7);
-    (0..7).for_each(|p| state.set_value(Column::J, p, j));
-    let mut chunk = Chunk {
+    (0..7).for_each(|p| state.set_value(column, p, value));
+    act(&mut Chunk {
         state: &mut state,
         dt: 1.0,
         gradient: &mut [NOTHING; 9],
@@ -289,9 +289,14 @@ fn pressure(eos: &dyn Eos, j: f64) -> f64 {
         cell: 1.0,
         failed: None,
         clipped: 0,
-    };
+    });
+    state
+}
+
+/// p of a volume ratio.
+fn pressure(eos: &dyn Eos, j: f64) -> f64 {
     let mut lane = NOTHING;
-    eos.pressure(&mut chunk, false, &mut lane);
+    seven_with(Column::J, j, |chunk| eos.pressure(chunk, false, &mut lane));
     lane[1][2]
 }
 
@@ -412,25 +417,13 @@ fn failure_strains_are_the_published_ones() {
         (steel, 1.0 / 3.0, 0.740865433),
     ];
     for (law, triaxiality, exact) in table {
-        let mut state = State::default();
-        (state.dimension, state.len) = (3, 7);
-        (0..7).for_each(|p| state.set_value(Column::Temperature, p, 298.0));
-        let mut chunk = Chunk {
-            state: &mut state,
-            dt: 1.0,
-            gradient: &mut [NOTHING; 9],
-            rotation: &mut [NOTHING; 9],
-            cell: 1.0,
-            failed: None,
-            clipped: 0,
-        };
         let mut stages = Stages::default();
         for group in 0..2 {
             stages.pressure[group] = [-triaxiality * 7.0; 4];
             stages.equivalent[group] = [7.0; 4];
             stages.increment[group] = [0.5; 4];
         }
-        law.grow(&mut chunk, &stages);
+        let state = seven_with(Column::Temperature, 298.0, |chunk| law.grow(chunk, &stages));
         let found = 0.5 / state.value(Column::DamageInitiation, 6);
         assert!((found / exact - 1.0).abs() < 5e-9, "{found} for {exact}");
         assert_eq!(state.value(Column::Damage, 6), 0.0);

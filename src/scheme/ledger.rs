@@ -1,19 +1,18 @@
 //! Where in a step the energy ledger takes its notes.
 
 use super::{Parts, SchemeKind};
+use crate::compute::energy::kinetic_energy;
 use crate::kernel::{gather, grid, ledger};
+use crate::model::group::GroupId;
 use crate::transfer::TransferKind;
 
 impl Parts<'_> {
     /// Books what has changed the particles since the last step: H1, particles that have left.
     /// Internal forces are noted.
     pub fn note_start(&mut self) {
+        self.book_particles();
         let world = &mut *self.world;
         if world.ledger.open {
-            let kinetic = ledger::kinetic_energy(&world.particles);
-            let sums = &mut world.ledger.sums;
-            sums.boundary += kinetic - sums.kinetic;
-            sums.kinetic = kinetic;
             world.ledger.fit(world.grid.len(), world.particles.len());
             ledger::note_internal(&mut world.ledger, &world.grid);
         }
@@ -49,7 +48,7 @@ impl Parts<'_> {
             gather::scatter_momentum(&mut self.loops.tiles, self.world, self.transfer.is_affine());
         }
         let world = &mut *self.world;
-        let kinetic = ledger::kinetic_energy(&world.particles);
+        let kinetic = kinetic_energy(world, GroupId::ALL);
         let work = ledger::book_forces(&mut world.ledger, &world.grid, self.clock.dt, updated);
         let sums = &mut world.ledger.sums;
         sums.numerical += work - (kinetic - sums.kinetic);
@@ -59,11 +58,12 @@ impl Parts<'_> {
         }
     }
 
-    /// Books what fixes have done to the particles (H4, H5).
+    /// Books what has been done to the particles since their kinetic energy was last taken: by fixes
+    /// (H1, H4, H5), or by taking some away.
     pub fn book_particles(&mut self) {
         let world = &mut *self.world;
         if world.ledger.open {
-            let kinetic = ledger::kinetic_energy(&world.particles);
+            let kinetic = kinetic_energy(world, GroupId::ALL);
             let sums = &mut world.ledger.sums;
             sums.boundary += kinetic - sums.kinetic;
             sums.kinetic = kinetic;
