@@ -341,7 +341,8 @@ impl Pairs {
         let limits = extents.map(|extent| extent.grown(reach));
         first.list(world, solids[0], &limits[1]);
         second.list(world, solids[1], &limits[0]);
-        if first.found.is_empty() || second.found.is_empty() {
+        // Cells need a width; without extent nothing touches.
+        if reach <= 0.0 || first.found.is_empty() || second.found.is_empty() {
             first.sums.clear();
             second.sums.clear();
             return Totals::default();
