@@ -116,16 +116,20 @@ pub fn value(
     }
 }
 
-/// sum m x / sum m over the particles of a group.
+/// sum m x / sum m over the particles of a group; sum V x / sum V if none of them has mass, as in a
+/// rigid body without density.
 fn centre_of_mass(world: &World, group: &str, axis: usize) -> f64 {
     let Some(index) = world.groups.0.iter().position(|known| known.name == group) else {
         return 0.0;
     };
-    let (mut mass, mut moment) = (0.0, 0.0);
+    let (mut mass, mut volume) = ([0.0; 2], [0.0; 2]);
     for p in world.particles.of_group(&world.groups, GroupId(index)) {
-        let position = world.particles.position[p];
-        mass += position[3];
-        moment += position[3] * position[axis];
+        let (position, velocity) = (world.particles.position[p], world.particles.velocity[p]);
+        for (sum, weight) in [(&mut mass, position[3]), (&mut volume, velocity[3])] {
+            sum[0] += weight;
+            sum[1] += weight * position[axis];
+        }
     }
-    if mass > 0.0 { moment / mass } else { 0.0 }
+    let [weight, moment] = if mass[0] > 0.0 { mass } else { volume };
+    if weight > 0.0 { moment / weight } else { 0.0 }
 }

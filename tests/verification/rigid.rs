@@ -144,3 +144,16 @@ run_time(1)
     let particles = &played.session.simulation.world.particles;
     assert!(particles.column(karamelo::model::column::Column::J).iter().all(|j| *j == 1.0));
 }
+
+#[test]
+fn a_rigid_body_without_density_has_a_centre() {
+    let mean = |density: &str| {
+        let script = upsetting("FLIP, linear, 0.99", "musl");
+        let material = format!("material(steel, rigid, {density})");
+        script.statement("material(steel", &material).play(&[]).column("height")
+    };
+    let (light, heavy) = (mean("0"), mean("7800"));
+    assert_eq!(light[0], 0.5625);
+    // Round-off of the weights.
+    assert!(light.iter().zip(&heavy).all(|(a, b)| (a - b).abs() < 1e-13));
+}
