@@ -26,6 +26,7 @@ mod shock;
 mod taylor;
 mod tools;
 mod two_disks;
+mod upsetting;
 mod vortex;
 mod walls;
 mod way;
