@@ -4,6 +4,7 @@
 //! stands beside it. Every test also runs a broken variant and sees it fail.
 
 mod axisymmetric;
+mod axisymmetric_heat;
 mod axisymmetric_waves;
 mod bar;
 mod combinations;
