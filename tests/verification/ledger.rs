@@ -220,6 +220,67 @@ fn a_rod_that_hits_a_wall_turns_its_motion_into_plastic_work() {
     }
 }
 
+/// A copper cylinder round the axis that hits a smooth wall with 190 m/s; mm, ms, kg.
+const ROUND_ROD: &str = "
+h = 0.8
+method(ulmpm, FLIP, quadratic-spline, 0.99)
+dimension(2, 0, 9.6, 0, 14.4, h)
+axisymmetric(true)
+region(rod, block, 0, 3.2, 0, 12.8)
+region(wall, block, INF, INF, INF, h/4)
+material(copper, von-mises, 8.93e-6, 124, 0.34, 0.09, 0.3)
+solid(rod, region, rod, 2, copper, h)
+group(wall, nodes, region, wall)
+fix(stop, velocity_nodes, wall, NULL, 0)
+fix(launch, initial_velocity_particles, all, 0, -190)
+log_modify(custom, step)
+set_output(10)
+dt_factor(0.5)
+run_time(0.03)
+";
+
+#[test]
+fn a_round_rod_that_hits_a_wall_loses_its_motion_to_plastic_work() {
+    let played = Script::new("rod", ROUND_ROD).with_ledger().play(&[]);
+    let kinetic = column(&played, "kinetic");
+    // Per radian: rho R^2/2 times the height, times v^2/2.
+    near(kinetic[0], 0.5 * 8.93e-6 * 0.5 * 3.2 * 3.2 * 12.8 * 190.0 * 190.0, 1e-12);
+    let [plastic, error] = [last(&played, "plastic") / kinetic[0], worst(&played)];
+    println!("round rod: plastic {plastic:.4}, error {error:.2e}");
+    assert!(error < 0.01 && plastic > 0.8, "{error} {plastic}");
+    assert!(imbalance_without(&played, "plastic") > 0.5);
+}
+
+/// A cylinder thrown outwards within smooth ends: it rings, and no particle changes its cell.
+fn ringing(method: &str, part: f64) -> Played {
+    let text = format!(
+        "h = 1/16\nmethod({method}, FLIP, quadratic-spline, 1)
+dimension(2, 0, 1.25, 0, 0.5, h)\naxisymmetric(true)
+region(body, block, 0, 1, 0, 0.5)\nregion(low, block, INF, INF, INF, h/8)
+region(high, block, INF, INF, 0.5 - h/8, INF)
+material(rubber, neo-hookean, 1, 1, 0.3)\nsolid(body, region, body, 2, rubber, h)
+group(low, nodes, region, low)\ngroup(high, nodes, region, high)
+fix(low, velocity_nodes, low, NULL, 0)\nfix(high, velocity_nodes, high, NULL, 0)
+fix(start, initial_velocity_particles, all, 1e-3*sin(PI*x0/2)*cos(4*PI*y0), -5e-4*sin(4*PI*y0))
+log_modify(custom, step)\nset_output(4)\nset_dt({part}*h)\nrun_time(3)"
+    );
+    Script::new("ringing", &text).with_ledger().play(&[])
+}
+
+#[test]
+fn the_residual_of_a_ringing_cylinder_falls_by_four() {
+    for method in ["ulmpm", "tlmpm"] {
+        let runs = [0.2, 0.1, 0.05].map(|part| ringing(method, part));
+        let errors = runs.each_ref().map(worst);
+        println!("{method} ringing cylinder: errors of the ledger {errors:?}");
+        assert!(errors[0] < 0.01, "{errors:?}");
+        for pair in errors.windows(2) {
+            assert!(((pair[0] / pair[1]).log2() - 2.0).abs() < 0.3, "{errors:?}");
+        }
+        assert!(imbalance_without(&runs[0], "stored") > 0.1);
+    }
+}
+
 /// Two copper plates of 10 mm that meet with 1000 m/s each, after 1 us.
 fn plates(h: f64, viscosity: &str) -> Played {
     let text = format!(
