@@ -72,6 +72,43 @@ fn a_penetration_is_taken_back_with_the_reduced_mass() {
     }
 }
 
+/// Force of the first step between two rings of section h^2, or two squares, that overlap by h/10.
+fn two_sections(axisymmetric: bool, radius: f64) -> f64 {
+    let text = format!(
+        "h = 0.1
+method(tlmpm, FLIP, linear, 1)
+dimension(2, 0, 9, -1, 1, h)
+axisymmetric({axisymmetric})
+region(r1, block, {radius}, {radius} + h, 0, h)
+region(r2, block, {radius}, {radius} + h, 0.9*h, 1.9*h)
+material(m1, linear, 1000, 5e3, 0.3)
+material(m2, rigid, 1)
+solid(s1, region, r1, 1, m1, h)
+solid(s2, region, r2, 1, m2, h)
+fix(touch, contact/hertz, s1, s2)
+log_modify(custom, time, touch_y)
+set_dt(1e-4)
+run(1)
+"
+    );
+    last(&Script::new("two sections", &text).play(&[]), "touch_y")
+}
+
+#[test]
+fn round_an_axis_a_particle_is_as_large_as_its_section() {
+    // R = sqrt(V/x)/2 = h/2, whatever the radius of the ring: the overlap is that of squares.
+    let exact = two_sections(false, 0.5);
+    assert!(exact < 0.0);
+    for radius in [0.0, 0.5, 2.0, 8.0] {
+        let force = two_sections(true, radius);
+        // Positions of 10 with the round-off of 1e-15 in a penetration of 1e-2.
+        assert!((force / exact - 1.0).abs() < 1e-11, "{radius}: {force} for {exact}");
+    }
+    // With sqrt(V)/2 rings of radius 0.05 would not touch and those of 8.05 be 28 times as large.
+    let of_volume = |x: f64| karamelo::kernel::pairs::radius(0.01 * x, 2);
+    assert!(2.0 * of_volume(0.05) < 0.09 && of_volume(8.05) > 2.0 * of_volume(1.0));
+}
+
 /// Counts pairs along x, sums what tells them apart along y and z.
 struct Count;
 
