@@ -141,6 +141,32 @@ fn threads_do_not_change_a_byte_of_bodies_of_revolution() {
 }
 
 #[test]
+fn threads_do_not_change_a_byte_of_what_rigid_bodies_do() {
+    let soft = "material(soft, neo-hookean, 1000, 1e5, 0.3, 500, 1e4)";
+    let rigid = SCRIPT.replace(soft, "material(soft, rigid, 1000)");
+    for method in &METHODS[..6] {
+        let (touch, force) = match method.contains("tlmpm") {
+            true => ("fix(touch, contact/hertz, base, body)", "touch_z"),
+            false => ("boundary(bounce)", "lift_z"),
+        };
+        let text = rigid.replace(METHODS[0], method);
+        let text = format!(
+            "{text}group(plate, particles, region, low, solid, base)\n{touch}
+fix(lift, velocity_particles, plate, 0.1, -0.2, 2)
+log_modify(custom, step, dt, Ek, Es, {force})\n"
+        );
+        let one = outputs_of(&text, "1", "run(120)");
+        let log = String::from_utf8(one["log.mpm"].clone()).unwrap();
+        let force = log.lines().last().unwrap().split_whitespace().last().unwrap();
+        assert!(force.parse::<f64>().unwrap().abs() > 1.0, "{method}: nothing touched, {force}");
+        for threads in ["2", "3"] {
+            let other = outputs_of(&text, threads, "run(120)");
+            assert!(one == other, "{method}: differs with {threads} threads");
+        }
+    }
+}
+
+#[test]
 fn threads_do_not_change_the_energy_ledger() {
     let runs = "compute(W, energy_ledger, all)
 log_modify(custom, step, W_stored, W_plastic, W_viscous, W_damage, W_heat, W_numerical, W_residual)
