@@ -315,6 +315,13 @@ const EXPLANATIONS: &[(Code, &str)] = &[
          right: every element once, all with the same orientation",
     ),
     (
+        Code::NotPhysical,
+        "A material breaks a law of physics: sand that grows faster in shear than its friction can\n\
+         pay for makes energy.\n\
+         wrong: material(sand, mohr-coulomb, 2650, 1e7, 0.3, 0, 30, 40)\n\
+         right: material(sand, mohr-coulomb, 2650, 1e7, 0.3, 0, 30, 5)",
+    ),
+    (
         Code::CommandLine,
         "`-var NAME VALUE` sets a variable before the script; the script's own assignment of that\n\
          name is skipped.\n\

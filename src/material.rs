@@ -6,9 +6,14 @@
 
 #[cfg(test)]
 mod conformance;
+pub mod drucker_prager;
 pub mod eos_strength;
+pub mod granular;
+#[cfg(test)]
+mod granular_paths;
 pub mod kinematics;
 pub mod linear;
+pub mod mohr_coulomb;
 pub mod neo_hookean;
 #[cfg(test)]
 mod plasticity;
@@ -70,25 +75,9 @@ pub const MATERIALS: &[Style<BuildMaterial>] = &[
     eos_strength::STYLE,
     von_mises::STYLE,
     rigid::STYLE,
-    reserved(
-        "mohr-coulomb",
-        "rho, E, nu, c, phi, psi [, sigma_t [, H, c_res, phi_res, psi_res]]",
-        "Mohr-Coulomb plasticity of soils",
-    ),
-    reserved(
-        "drucker-prager",
-        "rho, E, nu, c, phi, psi [, sigma_t [, H, c_res, phi_res, psi_res]] [, inner|plane-strain]",
-        "Drucker-Prager plasticity of soils",
-    ),
+    mohr_coulomb::STYLE,
+    drucker_prager::STYLE,
 ];
-
-const fn reserved(
-    name: &'static str,
-    usage: &'static str,
-    summary: &'static str,
-) -> Style<BuildMaterial> {
-    Style { name, usage, summary, manual: "", build: None }
-}
 
 /// Lame's constants of an isotropic material.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -248,6 +237,14 @@ pub trait Law: Send + Sync {
 
     /// Power per volume that goes into viscosity at the end of the step \[P/T\].
     fn viscous_power(&self, _chunk: &Chunk<'_>, _out: &mut Lane) {}
+
+    /// Plastic work per volume in the step \[P\] of particle `p`, whose stress was `old`, in the
+    /// axes of the new one, and whose equivalent plastic strain has grown by `flow`: q flow.
+    fn plastic_work(&self, chunk: &Chunk<'_>, p: usize, _old: &Tensor, flow: f64) -> f64 {
+        let sigma = chunk.state.stress(p);
+        let deviator = sigma - Tensor::identity() * (sigma.trace() / 3.0);
+        1.5f64.sqrt() * deviator.norm() * flow
+    }
 
     /// Heating power per volume \[P/T\] of particle `p`.
     fn heating(&self, _state: &State, _p: usize) -> f64 {

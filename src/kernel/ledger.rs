@@ -123,7 +123,7 @@ pub fn advance_and_book(
         let power = at(&jacobian, p) * old.dot(&then) + j * sigma.dot(&now);
         *share = Share {
             work: 0.5 * reference * dt * power,
-            plastic: volume * equivalent(&sigma) * flow,
+            plastic: volume * law.plastic_work(chunk, p, &old, flow),
             viscous: volume * at(&viscous, p) * dt,
             damage: 0.0,
             heat: volume * law.heating(state, p) * dt,
@@ -137,12 +137,6 @@ pub fn advance_and_book(
 
 fn at(lane: &Lane, p: usize) -> f64 {
     lane[p / 4][p % 4]
-}
-
-/// q = sqrt(3/2) |s|.
-fn equivalent(sigma: &Tensor) -> f64 {
-    let deviator = *sigma - Tensor::identity() * (sigma.trace() / 3.0);
-    1.5f64.sqrt() * deviator.norm()
 }
 
 /// What the old and the new stress do work on: L, or dF/dt F^-1 with F at the start and at the end.

@@ -1,7 +1,10 @@
 //! What every law must do, and closed forms along paths of one particle.
 
+use super::drucker_prager::{DruckerPrager, Fit};
 use super::eos_strength::EosStrength;
+use super::granular::{Granular, Strength};
 use super::linear::Linear;
+use super::mohr_coulomb::MohrCoulomb;
 use super::neo_hookean::NeoHookean;
 use super::point::Point;
 use super::von_mises::VonMises;
@@ -59,11 +62,18 @@ fn laws() -> Vec<Box<dyn Law>> {
         temperature: None,
     };
     let strong = VonMises { elastic, yield_stress: 1e9, hardening: 0.0 };
+    let solid = Strength { cohesion: 1e9, friction: 0.5, dilatancy: 0.1 };
+    let (tension, softening) = (f64::INFINITY, None);
+    let pyramid = Granular { elastic, surface: MohrCoulomb, strength: solid, tension, softening };
+    let surface = DruckerPrager { fit: Fit::Inner };
+    let cone = Granular { elastic, surface, strength: solid, tension, softening };
     vec![
         Box::new(Linear(elastic)),
         Box::new(NeoHookean(elastic)),
         Box::new(composite),
         Box::new(strong),
+        Box::new(pyramid),
+        Box::new(cone),
     ]
 }
 

@@ -94,7 +94,7 @@ impl Law for Linear {
 
 impl Linear {
     /// C^-1 sigma = dev sigma/(2 G) + tr sigma/(9 K) I.
-    fn strain(&self, sigma: &Tensor) -> Tensor {
+    pub(super) fn strain(&self, sigma: &Tensor) -> Tensor {
         let mean = sigma.trace() / 3.0;
         let deviator = sigma - Tensor::identity() * mean;
         deviator / (2.0 * self.0.shear) + Tensor::identity() * (mean / (3.0 * self.0.bulk()))

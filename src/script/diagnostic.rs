@@ -79,6 +79,7 @@ codes! {
     UnstableStep "W0205" "The time step is above the stable one.",
     NoEffect "W0206" "A command or value has no effect.",
     OddFile "W0207" "A file of a solid holds something unusual.",
+    NotPhysical "W0208" "A material breaks a law of physics.",
     CommandLine "N0101" "A variable of the command line wins.",
     OldReference "N0102" "The current position is read where the reference position may be meant.",
 }
