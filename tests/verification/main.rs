@@ -12,6 +12,7 @@ mod contact;
 mod convergence;
 mod dam;
 mod fixes;
+mod granular;
 mod heat;
 mod invariants;
 mod ledger;
