@@ -129,13 +129,19 @@ fn threads_do_not_change_a_byte() {
 
 #[test]
 fn threads_do_not_change_a_byte_of_bodies_of_revolution() {
-    for method in METHODS {
-        let text = ROUND.replace(METHODS[0], method);
+    let metal = "von-mises, 2000, 1e6, 0.3, 1e4";
+    let soils = [
+        "mohr-coulomb, 2000, 1e6, 0.3, 1e4, 30, 5, 5e3, 1e6, 2e3, 25, 0",
+        "drucker-prager, 2000, 1e6, 0.3, 1e4, 30, 5, inner",
+    ];
+    let pairs = METHODS.map(|method| (method, metal)).into_iter();
+    for (method, law) in pairs.chain(soils.map(|soil| (METHODS[0], soil))) {
+        let text = ROUND.replace(METHODS[0], method).replace(metal, law);
         let one = outputs_of(&text, "1", "run(120)");
         assert!(one.len() > 7 + 3, "{:?}", one.keys());
         for threads in ["2", "3"] {
             let other = outputs_of(&text, threads, "run(120)");
-            assert!(one == other, "{method}: differs with {threads} threads");
+            assert!(one == other, "{method}, {law}: differs with {threads} threads");
         }
     }
 }
