@@ -203,7 +203,8 @@ impl Parts<'_> {
             if !self.world.rigid.flagged {
                 rigid::flag(&mut self.loops.tiles, self.world);
             }
-            rigid::set(&self.loops.tiles, self.world, self.clock.dt);
+            let dt = self.clock.dt;
+            rigid::set(&self.loops.tiles, self.world, dt, self.transfer.blend(dt));
         }
         self.loops.timing.end(Phase::Grid);
         self.act(Stage::PostUpdateGridState)?;

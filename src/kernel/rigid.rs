@@ -74,17 +74,20 @@ pub fn set_first(grid: &mut Grid) {
     });
 }
 
-/// v = v* = the rigid velocity on the flagged nodes. Each rigid particle gets its share N V/sum N V
-/// of the force -m (v - v*)/dt that this takes, v* the free velocity of the material.
-pub fn set(tiles: &Tiles, world: &mut World, dt: f64) {
+/// v = v* = the rigid velocity v_r on the flagged nodes. Each rigid particle gets its share N V/sum N V
+/// of the force of the material, f + mb - (1 - alpha) m (v_r - v)/dt: the forces that move no particle
+/// because v* - v is 0, less what particles take of the new velocity. So the momentum they gain is
+/// the impulse of the body, whatever their own velocities differ from v_r by.
+pub fn set(tiles: &Tiles, world: &mut World, dt: f64, alpha: f64) {
     let axes = world.domain.dimension;
     each_flagged(&mut world.grid, |grid, node| {
         let [x, y, z, weight] = grid.rigid[node];
         let (set, free) = ([x, y, z], &mut grid.nodes[node]);
         let share = free.motion[3] / (dt * weight);
         for axis in 0..3 {
+            let jump = free.motion[axis] - set[axis];
             // Until the gathering the second mapping has no other use.
-            grid.mapped[node][axis] = share * (free.motion[axis] - set[axis]);
+            grid.mapped[node][axis] = share * (alpha * free.change[axis] + (1.0 - alpha) * jump);
             free.motion[axis] = set[axis];
             free.change[axis] = 0.0;
         }

@@ -15,7 +15,7 @@ Particles keep their velocity (`initial_velocity_particles` and `velocity_partic
 move by dt v. Updated Lagrangian: nodes with weight from a rigid particle have
 v = v* = sum N V v_p/sum N V over rigid particles, anew in every step; other masses and forces are
 ignored there. `velocity_particles` on a rigid body publishes the force it takes against the
-material. Total Lagrangian: it acts through contact fixes only. No limit on dt.
+material: its impulse is the momentum that the material gains. Total Lagrangian: it acts through contact fixes only. No limit on dt.
 rho [M/L^d] only adds kinetic energy (old form: left out, 0).
 Source: language.md 6.4, 7.3.",
     build: Some(|args, _| {

@@ -145,6 +145,56 @@ run_time(1)
     assert!(particles.column(karamelo::model::column::Column::J).iter().all(|j| *j == 1.0));
 }
 
+/// A rigid hammer that moves a free block; the impulse of its fix and the momentum of the block.
+fn hammered(method: &str, scheme: &str) -> [f64; 2] {
+    let text = format!(
+        "h = 1/16
+method(ulmpm, {method})
+scheme({scheme})
+dimension(2, -1, 1, 0, 2, h)
+region(low, block, -0.25, 0.25, 0.5, 1)
+region(high, block, -0.3125, 0.3125, 1, 1.125)
+material(soft, linear, 1000, {YOUNG}, 0.3)
+material(steel, rigid, 0)
+solid(body, region, low, 2, soft, h)
+solid(hammer, region, high, 2, steel, h)
+group(block, particles, region, low, solid, body)
+group(hammer, particles, region, high, solid, hammer)
+fix(strike, velocity_particles, hammer, 0.05, -{SPEED})
+compute(v, average_velocity, block)
+log_modify(custom, dt, time, strike_y, v_y)
+set_output(1)
+dt_factor(0.4)
+run_time(0.1)
+"
+    );
+    let played = Script::new("hammer", &text).play(&[]);
+    played.end.as_ref().unwrap_or_else(|end| panic!("{method} {scheme}: {end}"));
+    let [dt, force, velocity] = ["dt", "strike_y", "v_y"].map(|name| played.column(name));
+    let impulse = dt.iter().zip(&force).skip(1).map(|(dt, force)| dt * force).sum();
+    [impulse, 1000.0 * 0.25 * velocity.last().unwrap()]
+}
+
+#[test]
+fn the_impulse_of_a_rigid_body_is_the_momentum_it_gives() {
+    for scheme in ["musl", "usl", "usf"] {
+        for method in [
+            "FLIP, linear, 1",
+            "FLIP, quadratic-spline, 0.99",
+            "PIC, quadratic-spline",
+            "APIC, quadratic-spline",
+            "AFLIP, cubic-spline, 0.9",
+            "MLS, quadratic-spline",
+        ] {
+            let [impulse, momentum] = hammered(method, scheme);
+            println!("{method} {scheme}: impulse {impulse:.6}, momentum {momentum:.6}");
+            // Round-off of some hundred steps.
+            assert!((impulse / momentum - 1.0).abs() < 1e-11, "{method} {scheme}");
+            assert!(momentum < -0.5 * 250.0 * SPEED, "{method} {scheme}: {momentum}");
+        }
+    }
+}
+
 #[test]
 fn a_rigid_body_without_density_has_a_centre() {
     let mean = |density: &str| {
