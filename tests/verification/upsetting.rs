@@ -311,20 +311,27 @@ fn particles_that_touch_press_as_held_nodes_do() {
     assert!((late - 1.0).abs() > 0.02, "{late}");
 }
 
+/// Lowest and highest node that a rigid body carries.
+fn carried(played: &Played) -> [f64; 2] {
+    let grid = &played.session.simulation.world.grid;
+    let lattice = &grid.lattices[0];
+    let carried = lattice.window.places().filter(|place| grid.rigid[*place][3] > 0.0);
+    let heights = carried.map(|place| lattice.place(lattice.window.node(place))[1]);
+    heights.fold([f64::INFINITY, 0.0], |[low, high], y| [low.min(y), high.max(y)])
+}
+
 #[test]
 fn the_platen_leaves_no_trail() {
-    let played = press(&round(), 1.0, 0.5);
-    let world = &played.session.simulation.world;
-    let lattice = &world.grid.lattices[0];
-    let flagged: Vec<f64> = lattice
-        .window
-        .places()
-        .filter(|place| world.grid.rigid[*place][3] > 0.0)
-        .map(|place| lattice.place(lattice.window.node(place))[1])
-        .collect();
-    // From 7.5 to 9.5 mm, and a cell and a half beyond the outermost particles.
-    let [low, high] = [7.75 - 1.5, 9.25 + 1.5];
-    assert!(!flagged.is_empty() && flagged.iter().all(|y| *y > low && *y < high), "{flagged:?}");
+    // The platen ends between 7.5 and 9.5 mm; splines reach a cell and a half beyond its particles.
+    let allowed = [7.75 - 1.5, 9.25 + 1.5];
+    let [low, high] = carried(&press(&round(), 1.0, 0.5));
+    println!("nodes carried from {low} to {high} mm");
+    assert!(low > allowed[0] && high < allowed[1] && high - low > 2.0, "{low} {high}");
+    // A second platen that stays where the first one was.
+    let trail = "solid(platen, region, platen, ppc, rigid, h)\n\
+                 solid(trail, region, platen, ppc, rigid, h)";
+    let [_, high] = carried(&press(&round().statement("solid(platen", trail), 1.0, 0.1));
+    assert!(high > 15.5, "{high}");
 }
 
 #[test]
