@@ -57,8 +57,8 @@ fn the_ledger_of_every_input_closes_within_one_per_cent() {
         ("manufactured-1d.mpm", &[]),
         ("manufactured.mpm", &[]),
         ("square.mpm", &[("cells", 30.0)]),
-        ("taylor-bar.mpm", &[("h", 1.0)]),
-        ("two-disks-modern.mpm", &[]),
+        ("taylor-bar/taylor-bar.mpm", &[("h", 1.0)]),
+        ("two-disks/two-disks-modern.mpm", &[]),
         ("two-disks.mpm", &[]),
         ("vortex.mpm", &[]),
     ] {
@@ -70,7 +70,7 @@ fn the_ledger_of_every_input_closes_within_one_per_cent() {
 
 fn disks(dt: f64) -> Script {
     let statement = format!("set_dt({dt})");
-    Script::input("two-disks-modern.mpm").with_ledger().statement("set_dt", &statement)
+    Script::input("two-disks/two-disks-modern.mpm").with_ledger().statement("set_dt", &statement)
 }
 
 #[test]
@@ -206,7 +206,7 @@ fn damping_by_the_transfer_is_seen_in_every_scheme() {
 
 #[test]
 fn a_rod_that_hits_a_wall_turns_its_motion_into_plastic_work() {
-    let played = Script::input("taylor-bar.mpm").with_ledger().play(&[("h", 1.0)]);
+    let played = Script::input("taylor-bar/taylor-bar.mpm").with_ledger().play(&[("h", 1.0)]);
     let start = column(&played, "kinetic")[0];
     let [plastic, numerical] = ["plastic", "numerical"].map(|name| last(&played, name) / start);
     println!("rod: plastic {plastic:.4}, numerical {numerical:.4}, error {:.2e}", worst(&played));
@@ -363,7 +363,7 @@ fn a_scene_that_reads_the_ledger_moves_as_it_does_without() {
     for scheme in ["musl", "usl", "usf"] {
         let script = |ledger: bool| {
             let method = format!("method(ulmpm, APIC, quadratic-spline)\nscheme({scheme})");
-            let script = Script::input("two-disks-modern.mpm");
+            let script = Script::input("two-disks/two-disks-modern.mpm");
             let script = if ledger { script.with_ledger() } else { script };
             script.statement("method", &method).statement("run_time", "run(1500)")
         };

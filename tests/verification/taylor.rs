@@ -27,7 +27,7 @@ fn shape(simulation: &Simulation, h: f64) -> [f64; 3] {
 #[ignore = "ten seconds: cargo test --release -- --ignored"]
 fn the_rod_has_the_published_shape_and_keeps_its_energy() {
     let h = 0.5;
-    let played = Script::input("taylor-bar.mpm").play(&[("h", h)]);
+    let played = Script::input("taylor-bar/taylor-bar.mpm").play(&[("h", h)]);
     played.end.as_ref().expect("the run is stable");
     let [length, foot, width] = shape(&played.session.simulation, h);
     let kinetic = played.column("Ek");
@@ -42,7 +42,7 @@ fn the_rod_has_the_published_shape_and_keeps_its_energy() {
 #[test]
 #[ignore = "ten seconds: cargo test --release -- --ignored"]
 fn a_rod_without_hardening_is_seen_to_fail() {
-    let script = Script::input("taylor-bar.mpm").replace("0.065, 0.356, 0.37", "0.065, 0, 0.37");
+    let script = Script::input("taylor-bar/taylor-bar.mpm").replace("0.065, 0.356, 0.37", "0.065, 0, 0.37");
     let script = script.replace("run_time(0.0794)", "run_time(0.03)");
     let played = script.play(&[]);
     let shortening = *played.column("shortening").last().unwrap();
