@@ -24,7 +24,7 @@ pub mod state;
 pub mod von_mises;
 
 use crate::damage::Damage;
-use crate::eos::Eos;
+use crate::eos::{Eos, Viscosity};
 use crate::math::tensor::Tensor;
 use crate::model::column::ColumnSet;
 use crate::script::arguments::{Args, Name};
@@ -235,8 +235,10 @@ pub trait Law: Send + Sync {
         0.0
     }
 
-    /// Power per volume that goes into viscosity at the end of the step \[P/T\].
-    fn viscous_power(&self, _chunk: &Chunk<'_>, _out: &mut Lane) {}
+    /// Artificial viscosity in compression, if there is any.
+    fn artificial_viscosity(&self) -> Option<Viscosity> {
+        None
+    }
 
     /// Plastic work per volume in the step \[P\] of particle `p`, whose stress was `old`, in the
     /// axes of the new one, and whose equivalent plastic strain has grown by `flow`: q flow.

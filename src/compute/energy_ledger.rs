@@ -14,7 +14,7 @@ pub const STYLE: Style<BuildCompute> = Style {
     manual: "\
 Acts on `all`. Kept from the first run below it on; a scene without it pays nothing.
   ID_kinetic    sum m v^2/2 of the particles
-  ID_stored     what the stress can give back: its work less the losses below
+  ID_stored     what the stress can give back: its work less its losses below
   ID_plastic    sum V q dep
   ID_viscous    work against artificial viscosity and the viscosity of fluids
   ID_damage     once D > 0: work less losses less what the law still stores
@@ -26,12 +26,15 @@ Acts on `all`. Kept from the first run below it on; a scene without it pays noth
   ID_numerical  kinetic energy lost on the way from particles to nodes and back (PIC, FLIP < 1)
   ID_residual   kinetic + stored + losses + numerical - external - boundary, less its start
   ID_error      residual over the largest term so far
-The stress works V0 (J sigma + J' sigma') : D dt/2 in a step, nodal forces f . w dt with the mean
-w = (p + p')/(2 m) of the momenta that the particles bring before and after (with `usl`, and with
-MLS under `musl`, w = (v + v*)/2). FLIP with alpha = 1 then gains that work to the last digit. So
-the residual is the error of the time integration alone: the work of the stress on the particles
-less that of the internal forces on the nodes, taken in the middle of a step, to which velocities
-belong. It falls with dt. The columns of one row add up to it but for half the last step's work.",
+The stress works V0 (P + P') : (F' - F)/2 in a step, P = J sigma F^-T: of a law with a stored energy
+it is the change of that energy but for dt^2. Of laws with damage the stored energy is known only
+roughly, so that ID_stored and ID_damage share an error of theirs. Nodal forces work f . w dt with
+the mean w = (p + p')/(2 m) of the momenta that the particles bring before and after (with `usl`,
+and with MLS under `musl`, w = (v + v*)/2). FLIP with alpha = 1 then gains that work to the last
+digit. So the residual is the error of the time integration alone: the work of the stress on the
+particles less that of the internal forces on the nodes, taken in the middle of a step, to which
+velocities belong. It falls with dt: it is energy that moving particles over a grid makes or
+destroys, most with linear shapes. The columns of one row add up to it but for half the last step's work.",
     build: Some(|_, target| {
         target.require("energy_ledger", &[GroupKind::All])?;
         Ok(Box::new(EnergyLedger))

@@ -1,7 +1,7 @@
 //! The loops of the energy ledger: over nodes around the update, over the chunks of a law.
 
 use super::grid::inverse_mass;
-use crate::material::state::{STRESS, SYMMETRIC};
+use crate::material::state::{DEFORMATION, STRESS, SYMMETRIC};
 use crate::material::{Chunk, Description, Lane, Law, NOTHING};
 use crate::math::tensor::Tensor;
 use crate::model::column::Column;
@@ -86,7 +86,11 @@ pub fn book_forces(ledger: &mut Ledger, grid: &Grid, dt: f64, updated: bool) -> 
 /// Kinematics and law of a chunk, with a note of what each particle does; `velocity`: the records
 /// with V0.
 ///
-/// Work: V0 (J0 sigma0 + J sigma) : D dt/2, the old stress turned along; sigma : D J = P : dF/dt.
+/// Work: V0 (P + P') : (F' - F)/2, the trapezoid of P : dF, with P = J sigma F^-T before the step
+/// and after it. With the weights of their own place the old and the new stress then do what
+/// internal forces f = -sum V sigma grad N of theirs take from the nodes. Work against viscosity
+/// is the part of the viscous stresses in it.
+///
 /// Once damage has begun, what is neither dissipated nor in the stored energy psi of the law is lost
 /// to damage.
 #[inline(never)]
@@ -98,9 +102,9 @@ pub fn advance_and_book(
     velocity: &[[f64; 4]],
     shares: &mut [Share],
 ) {
-    let [jacobian, strain] =
-        [Column::J, Column::PlasticStrain].map(|column| *chunk.state.lane(column));
-    let (mut before, mut after, mut viscous) = (NOTHING, NOTHING, NOTHING);
+    description.turn(law, chunk);
+    let old = Before::new(description, chunk);
+    let (mut before, mut after) = (NOTHING, NOTHING);
     let damaged = chunk.state.has(Column::Damage);
     if damaged {
         law.stored_energy(chunk.state, &mut before);
@@ -108,25 +112,34 @@ pub fn advance_and_book(
     description.advance(law, has_deformation, chunk);
     let turned = STRESS.map(|column| *chunk.state.lane(column));
     law.update(chunk);
-    law.viscous_power(chunk, &mut viscous);
-    let state = &*chunk.state;
+    note_viscosity(law, chunk);
     if damaged {
-        law.stored_energy(state, &mut after);
+        law.stored_energy(chunk.state, &mut after);
     }
-    for (p, share) in shares.iter_mut().enumerate().take(state.len) {
-        let [then, now] = rates(description, law, chunk, p);
-        let old = Tensor::from_fn(|i, j| at(&turned[SYMMETRIC[3 * i + j]], p));
-        let (sigma, j) = (state.stress(p), state.value(Column::J, p));
-        let flow = state.value(Column::PlasticStrain, p) - at(&strain, p);
+    let fluid = law.viscosity() > 0.0;
+    for (p, share) in shares.iter_mut().enumerate().take(chunk.state.len) {
+        let state = &*chunk.state;
+        let flow = state.value(Column::PlasticStrain, p) - at(&old.plastic_strain, p);
+        let mut now = Stressed {
+            jacobian: state.value(Column::J, p),
+            sigma: state.stress(p),
+            viscous: state.value(Column::ViscousPressure, p),
+        };
+        let stress = tensor(&turned, p);
+        let mut then = old.stressed(p);
+        let [from, to] = old.rates(chunk, p);
+        if description.is_turned_back(law) {
+            then.turn(&rotation(&old.rotation, p, state.dimension));
+            now.turn(&rotation(chunk.rotation, p, state.dimension));
+        }
         let [.., reference] = velocity[p];
-        let (volume, dt) = (j * reference, chunk.dt);
-        let power = at(&jacobian, p) * old.dot(&then) + j * sigma.dot(&now);
+        let (volume, half) = (now.jacobian * reference, 0.5 * reference * chunk.dt);
         *share = Share {
-            work: 0.5 * reference * dt * power,
-            plastic: volume * law.plastic_work(chunk, p, &old, flow),
-            viscous: volume * at(&viscous, p) * dt,
+            work: half * (then.power(&from) + now.power(&to)),
+            plastic: volume * law.plastic_work(chunk, p, &stress, flow),
+            viscous: half * (then.viscous_power(&from, fluid) + now.viscous_power(&to, fluid)),
             damage: 0.0,
-            heat: volume * law.heating(state, p) * dt,
+            heat: volume * law.heating(state, p) * chunk.dt,
         };
         if state.value(Column::Damage, p) > 0.0 {
             let stored = reference * (at(&after, p) - at(&before, p));
@@ -135,17 +148,115 @@ pub fn advance_and_book(
     }
 }
 
+/// Writes the artificial part of the pressure into its column.
+fn note_viscosity(law: &dyn Law, chunk: &mut Chunk<'_>) {
+    let Some(viscosity) = law.artificial_viscosity() else {
+        return;
+    };
+    for p in 0..chunk.state.len {
+        let j = chunk.state.value(Column::J, p);
+        let trace = chunk.velocity_gradient(p).trace();
+        let alive = chunk.state.value(Column::Damage, p) < 1.0;
+        let pressure = viscosity.pressure(law.density(), chunk.cell, j, trace);
+        chunk.state.set_value(Column::ViscousPressure, p, if alive { pressure } else { 0.0 });
+    }
+}
+
+/// What the step changes, as it was.
+struct Before {
+    description: Description,
+    jacobian: Lane,
+    plastic_strain: Lane,
+    viscous: Lane,
+    stress: [Lane; 6],
+    deformation: [Lane; 9],
+    rotation: [Lane; 9],
+}
+
+impl Before {
+    fn new(description: Description, chunk: &Chunk<'_>) -> Self {
+        let state = &*chunk.state;
+        Self {
+            description,
+            rotation: *chunk.rotation,
+            jacobian: *state.lane(Column::J),
+            plastic_strain: *state.lane(Column::PlasticStrain),
+            viscous: *state.lane(Column::ViscousPressure),
+            stress: STRESS.map(|column| *state.lane(column)),
+            deformation: DEFORMATION.map(|column| *state.lane(column)),
+        }
+    }
+
+    fn stressed(&self, p: usize) -> Stressed {
+        Stressed {
+            jacobian: at(&self.jacobian, p),
+            sigma: tensor(&self.stress, p),
+            viscous: at(&self.viscous, p),
+        }
+    }
+
+    fn deformation(&self, p: usize) -> Tensor {
+        Tensor::from_fn(|i, j| at(&self.deformation[3 * i + j], p))
+    }
+
+    /// (F' - F)/dt F^-1 and (F' - F)/dt F'^-1; the first is L in updated Lagrangian methods.
+    fn rates(&self, chunk: &Chunk<'_>, p: usize) -> [Tensor; 2] {
+        let (change, start, end) = match self.description {
+            Description::Total => {
+                let (old, new) = (self.deformation(p), chunk.state.deformation(p));
+                ((new - old) / chunk.dt, old, new)
+            }
+            Description::Updated(_) => {
+                let rate = chunk.velocity_gradient(p);
+                (rate, Tensor::identity(), Tensor::identity() + rate * chunk.dt)
+            }
+        };
+        [start, end].map(|f| f.try_inverse().map_or(Tensor::zeros(), |inverse| change * inverse))
+    }
+}
+
+/// R of a particle; directions beyond the dimension do not turn.
+fn rotation(lanes: &[Lane; 9], p: usize, dimension: usize) -> Tensor {
+    Tensor::from_fn(|i, j| match i.max(j) < dimension {
+        true => at(&lanes[3 * i + j], p),
+        false => f64::from(i == j),
+    })
+}
+
+/// A particle under stress.
+struct Stressed {
+    jacobian: f64,
+    sigma: Tensor,
+    viscous: f64,
+}
+
+impl Stressed {
+    /// Brings the stress from the axes that go with the body into those of space.
+    fn turn(&mut self, rotation: &Tensor) {
+        self.sigma = rotation * self.sigma * rotation.transpose();
+    }
+
+    /// J sigma : L.
+    fn power(&self, rate: &Tensor) -> f64 {
+        self.jacobian * self.sigma.dot(rate)
+    }
+
+    /// The part of the artificial pressure in it, and of the deviator in fluids.
+    fn viscous_power(&self, rate: &Tensor, fluid: bool) -> f64 {
+        let trace = rate.trace();
+        let deviator = match fluid {
+            true => self.sigma.dot(rate) - self.sigma.trace() / 3.0 * trace,
+            false => 0.0,
+        };
+        self.jacobian * (deviator - self.viscous * trace)
+    }
+}
+
 fn at(lane: &Lane, p: usize) -> f64 {
     lane[p / 4][p % 4]
 }
 
-/// What the old and the new stress do work on: L, or dF/dt F^-1 with F at the start and at the end.
-fn rates(description: Description, law: &dyn Law, chunk: &Chunk<'_>, p: usize) -> [Tensor; 2] {
-    let rate = chunk.velocity_gradient(p);
-    if description != Description::Total || law.is_incremental() {
-        return [rate; 2];
-    }
-    let new = chunk.state.deformation(p);
-    let old = new - rate * chunk.dt;
-    [old, new].map(|f| f.try_inverse().map_or(Tensor::zeros(), |inverse| rate * inverse))
+/// The symmetric tensor of a particle.
+fn tensor(six: &[Lane; 6], p: usize) -> Tensor {
+    Tensor::from_fn(|i, j| at(&six[SYMMETRIC[3 * i + j]], p))
 }

@@ -3,7 +3,7 @@
 use super::stages::{Stages, add_viscosity, assemble, stiffen, weaken_tension};
 use super::{BuildMaterial, Chunk, Family, Lane, Law, NOTHING, State, Thermal, write_strain};
 use crate::damage::Damage;
-use crate::eos::Eos;
+use crate::eos::{Eos, Viscosity};
 use crate::math::tensor::Tensor;
 use crate::math::v4::{Sweep, Wide, dispatch};
 use crate::model::column::{Column, ColumnSet};
@@ -162,21 +162,8 @@ impl Law for EosStrength {
         }
     }
 
-    fn viscous_power(&self, chunk: &Chunk<'_>, out: &mut Lane) {
-        let pressure = self.eos.viscosity();
-        for p in 0..chunk.state.len {
-            let rate = chunk.velocity_gradient(p);
-            let (trace, j) = (rate.trace(), chunk.state.value(Column::J, p));
-            let mut power = pressure.map_or(0.0, |viscosity| {
-                -viscosity.pressure(self.eos.density(), chunk.cell, j, trace) * trace
-            });
-            if self.strength.viscosity() > 0.0 {
-                let sigma = chunk.state.stress(p);
-                power += sigma.dot(&rate) - sigma.trace() / 3.0 * trace;
-            }
-            let alive = chunk.state.value(Column::Damage, p) < 1.0;
-            out[p / 4][p % 4] = if alive { power } else { 0.0 };
-        }
+    fn artificial_viscosity(&self) -> Option<Viscosity> {
+        self.eos.viscosity()
     }
 
     fn heating(&self, state: &State, p: usize) -> f64 {

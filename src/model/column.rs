@@ -43,10 +43,12 @@ pub enum Column {
     DamageInitiation,
     /// Temperature.
     Temperature,
+    /// Artificial part of the pressure, kept for the energy ledger.
+    ViscousPressure,
 }
 
 /// Number of columns in the table.
-pub const COLUMNS: usize = Column::Temperature as usize + 1;
+pub const COLUMNS: usize = Column::ViscousPressure as usize + 1;
 
 /// What the table says about a column.
 pub struct ColumnInfo {
@@ -95,6 +97,7 @@ pub const TABLE: [ColumnInfo; COLUMNS] = [
     row("damage", "1"),
     row("damage_init", "1"),
     row("T", "K"),
+    row("viscous_pressure", "P"),
 ];
 
 impl Column {
@@ -129,6 +132,7 @@ impl Column {
             Damage,
             DamageInitiation,
             Temperature,
+            ViscousPressure,
         ]
     };
 

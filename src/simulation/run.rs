@@ -16,7 +16,7 @@ use crate::script::formula::{Instant, Slot};
 use crate::step::{Stage, Step};
 use crate::time_step::{self, Limit, TimeStep};
 use crate::timing::Phase;
-use crate::world::{Spreading, World};
+use crate::world::{Solid, Spreading, World};
 
 /// Nodes lighter than this part of the lightest particle are empty (only against 0/0). It lies
 /// below the cube of the smallest weight: a node near which a particle has a gradient weight must
@@ -107,6 +107,10 @@ impl Simulation {
         if plan.columns.contains(Column::F11) {
             plan.columns.extend(self.world.deformation_columns());
         }
+        let artificial = |solid: &Solid| solid.law.artificial_viscosity().is_some();
+        if plan.ledger && self.world.solids.iter().any(artificial) {
+            plan.columns.insert(Column::ViscousPressure);
+        }
         plan
     }
 
@@ -184,6 +188,9 @@ impl Simulation {
             solid.columns = columns;
             if particles.present.contains(Column::F11) {
                 solid.columns.extend(deformation);
+            }
+            if particles.present.contains(Column::ViscousPressure) {
+                solid.columns.insert(Column::ViscousPressure);
             }
         }
         grid.lattices = lattices;

@@ -14,6 +14,7 @@ mod dam;
 mod fixes;
 mod granular;
 mod heat;
+mod inputs;
 mod invariants;
 mod ledger;
 mod locking;

@@ -14,6 +14,45 @@ pub struct Script {
     text: String,
 }
 
+/// Commands that run.
+const RUNS: [&str; 4] = ["run", "run_time", "run_while", "run_until"];
+
+/// Lines, those of a call that goes on over line ends as one.
+fn statements(text: &str) -> Vec<String> {
+    let (mut statements, mut open) = (Vec::<String>::new(), 0);
+    for line in text.lines() {
+        match (open, statements.last_mut()) {
+            (1.., Some(last)) => {
+                last.push('\n');
+                last.push_str(line);
+            }
+            _ => statements.push(line.to_string()),
+        }
+        let mut quoted = false;
+        for letter in line.chars() {
+            match letter {
+                '"' => quoted = !quoted,
+                '#' if !quoted => break,
+                '(' if !quoted => open += 1,
+                ')' if !quoted => open -= 1,
+                _ => {}
+            }
+        }
+    }
+    statements
+}
+
+/// The word before the parenthesis of a call.
+fn command(statement: &str) -> &str {
+    statement.split_once('(').map_or("", |(word, _)| word.trim())
+}
+
+/// What stands between the parentheses of a call.
+fn argument(statement: &str) -> &str {
+    let inside = statement.split_once('(').map_or("", |(_, rest)| rest);
+    inside.rsplit_once(')').map_or(inside, |(argument, _)| argument)
+}
+
 /// The log of a script, and how the run ended.
 pub struct Played {
     names: Vec<String>,
@@ -63,26 +102,51 @@ impl Script {
         let names = "kinetic stored plastic viscous damage friction damping heat external boundary \
                      numerical residual error";
         let columns: Vec<String> = names.split(' ').map(|name| format!("W_{name}")).collect();
-        let columns = columns.join(", ");
-        let log =
-            format!("compute(W, energy_ledger, all)\nlog_modify(custom, step, time, {columns})");
-        let Self { name, text } = self.without_files();
-        let line = |line: &str| match line.split('(').next() {
-            Some("log_modify") => log.clone(),
-            Some("compute") if line.contains("energy_ledger") => String::new(),
-            _ => line.to_string(),
-        };
-        let lines: Vec<String> = text.lines().map(line).collect();
-        Self { name, text: lines.join("\n") + "\n" }
+        let mut wanted = format!("log_modify(custom, step, time, {})", columns.join(", "));
+        if !self.text.contains("compute(W, energy_ledger,") {
+            wanted = format!("compute(W, energy_ledger, all)\n{wanted}");
+        }
+        self.without_files().map(|statement| match command(statement) {
+            "log_modify" => String::new(),
+            word if RUNS.contains(&word) => std::mem::take(&mut wanted) + "\n" + statement,
+            _ => statement.to_string(),
+        })
     }
 
     /// Writes no dumps and no figures.
     pub fn without_files(&self) -> Self {
-        let writes = |line: &&str| {
-            let command = line.split('(').next();
-            !matches!(command, Some("dump" | "plot" | "save_plot"))
-        };
-        let lines: Vec<&str> = self.text.lines().filter(writes).collect();
+        self.map(|statement| match command(statement) {
+            "dump" | "plot" | "save_plot" => String::new(),
+            _ => statement.to_string(),
+        })
+    }
+
+    /// Ends each run after so many steps, unless it ends before.
+    pub fn at_most(&self, steps: u64) -> Self {
+        let end = format!("value(timestep) + {steps}");
+        self.map(|statement| {
+            let (word, argument) = (command(statement), argument(statement));
+            match word {
+                "run" => format!("run(min({argument}, {steps}))"),
+                "run_time" => {
+                    format!("run_while(time < value(time) + ({argument}) && timestep < {end})")
+                }
+                "run_while" => format!("run_while(({argument}) && timestep < {end})"),
+                "run_until" => format!("run_until(({argument}) || timestep >= {end})"),
+                _ => statement.to_string(),
+            }
+        })
+    }
+
+    /// Number of runs.
+    pub fn runs(&self) -> usize {
+        statements(&self.text).iter().filter(|line| RUNS.contains(&command(line))).count()
+    }
+
+    /// Another statement in the place of each.
+    fn map(&self, change: impl FnMut(&str) -> String) -> Self {
+        let lines: Vec<String> =
+            statements(&self.text).iter().map(String::as_str).map(change).collect();
         Self { name: self.name.clone(), text: lines.join("\n") + "\n" }
     }
 
