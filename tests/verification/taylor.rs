@@ -1,6 +1,6 @@
 //! V9: a copper rod hits a rigid wall.
 
-use super::script::Script;
+use super::script::{Played, Script};
 use karamelo::model::column::Column;
 use karamelo::simulation::Simulation;
 
@@ -23,30 +23,99 @@ fn shape(simulation: &Simulation, h: f64) -> [f64; 3] {
     [length, 2.0 * (foot + 0.5 * h), 2.0 * (width + 0.5 * h)]
 }
 
-#[test]
-#[ignore = "ten seconds: cargo test --release -- --ignored"]
-fn the_rod_has_the_published_shape_and_keeps_its_energy() {
-    let h = 0.5;
-    let played = Script::input("taylor-bar/taylor-bar.mpm").play(&[("h", h)]);
+const SCENE: &str = "taylor-bar/taylor-bar.mpm";
+
+/// Plays the rod with cells of `h` up to a time; the scene, the shape of the rod, its kinetic energy.
+fn play(script: &Script, h: f64, end: f64) -> (Played, [f64; 3], f64) {
+    let played = script.play(&[("h", h), ("end", end)]);
     played.end.as_ref().expect("the run is stable");
-    let [length, foot, width] = shape(&played.session.simulation, h);
-    let kinetic = played.column("Ek");
-    println!("V9: length {length:.3}, foot {foot:.3}, width {width:.3}, Ek {:?}", kinetic.last());
-    // Karamelo: 16.77, 14.40, 10.45 mm; it iterates on the yield surface in another way.
-    assert!((length - 16.77).abs() < 0.17, "{length}");
-    assert!((foot - 14.4).abs() < 0.3, "{foot}");
-    assert!((width - 10.45).abs() < 0.25, "{width}");
-    assert!(*kinetic.last().unwrap() < 0.2);
+    let shape = shape(&played.session.simulation, h);
+    let kinetic = *played.column("Ek").last().unwrap();
+    println!("V9: h = {h}, {end} ms: length, foot, width {shape:.3?}, Ek {kinetic:.3}");
+    (played, shape, kinetic)
+}
+
+/// Plastic work, that and what the transfer has lost, both over Ek0 - Ek - Es.
+fn losses(played: &Played) -> [f64; 2] {
+    let last = |name: &str| *played.column(name).last().unwrap();
+    let spent = played.column("Ek")[0] - last("Ek") - last("Es");
+    let found = [last("W_plastic"), last("W_plastic") + last("W_numerical")];
+    let parts = found.map(|work| work / spent);
+    println!(
+        "V9: plastic work {:.4}, with the transfer {:.4} of the energy spent",
+        parts[0], parts[1]
+    );
+    parts
+}
+
+/// The rod with another law of flow, `A, B, n` in GPa.
+fn rod(flow: &str) -> Script {
+    Script::input(SCENE).replace("0.065, 0.356, 0.37", flow)
+}
+
+/// The rod with the losses in its log.
+fn with_losses() -> Script {
+    Script::input(SCENE).replace("W_plastic, W_error", "W_plastic, W_numerical, W_error")
+}
+
+#[test]
+fn the_rod_is_slowed_by_its_wall_as_fast_as_in_the_reference() {
+    // Karamelo, h = 0.5, after 14.325 us: length 22.793, Ek 130.43 J. It iterates on the yield surface
+    // in another way and takes half our steps: 2 %, as the list allows for shapes.
+    let stopped = |script: &Script| {
+        let (_, [length, ..], kinetic) = play(script, 0.5, 0.014325);
+        assert!((length - 22.793).abs() < 0.01 * 22.793, "{length}");
+        (kinetic / 130.43 - 1.0).abs() < 0.02
+    };
+    assert!(stopped(&Script::input(SCENE)));
+    // Broken variants: flow with another exponent, without hardening; no wall.
+    assert!(!stopped(&rod("0.065, 0.356, 1")));
+    assert!(!stopped(&rod("0.065, 0, 0.37")));
+    let free = Script::input(SCENE)
+        .statement("fix(stop", "fix(stop, velocity_nodes, wall, NULL, NULL, NULL)");
+    assert!(!stopped(&free));
 }
 
 #[test]
 #[ignore = "ten seconds: cargo test --release -- --ignored"]
-fn a_rod_without_hardening_is_seen_to_fail() {
-    let script = Script::input("taylor-bar/taylor-bar.mpm").replace("0.065, 0.356, 0.37", "0.065, 0, 0.37");
-    let script = script.replace("run_time(0.0794)", "run_time(0.03)");
-    let played = script.play(&[]);
-    let shortening = *played.column("shortening").last().unwrap();
-    // With hardening it is 5.36 mm after this time.
-    println!("V9 without hardening: {shortening:.3} {:?}", played.end);
-    assert!(shortening > 5.5 || played.end.is_err(), "{shortening}");
+fn the_rod_has_the_published_shape_and_keeps_its_energy() {
+    let (played, [length, foot, width], kinetic) = play(&with_losses(), 0.5, 0.0794);
+    // Karamelo: 16.77, 14.40, 10.45 mm; it iterates on the yield surface in another way.
+    assert!((length - 16.77).abs() < 0.17, "{length}");
+    assert!((foot - 14.4).abs() < 0.3, "{foot}");
+    assert!((width - 10.45).abs() < 0.25, "{width}");
+    assert!(kinetic < 0.2);
+    // FLIP 0.99 loses 1 % of the difference between particles and nodes in each of 7000 steps.
+    let [plastic, both] = losses(&played);
+    assert!((both - 1.0).abs() < 0.03 && plastic < 0.97, "{plastic} {both}");
+    let keeping = with_losses().replace("FLIP, linear, 0.99", "FLIP, linear, 1");
+    let [plastic, _] = losses(&play(&keeping, 0.5, 0.0794).0);
+    assert!((plastic - 1.0).abs() < 0.03, "{plastic}");
+}
+
+#[test]
+#[ignore = "minutes: cargo test --release -- --ignored"]
+fn finer_cells_shorten_the_rod_as_published() {
+    let coarse = play(&Script::input(SCENE), 0.5, 0.0794).1;
+    let (played, [length, foot, width], kinetic) = play(&with_losses(), 0.25, 0.0794);
+    // Karamelo: 16.43, 14.77, 10.17 mm, Ek below 0.2 J; bands as for cells of 0.5 mm.
+    assert!((length - 16.43).abs() < 0.17, "{length}");
+    assert!((foot - 14.77).abs() < 0.3, "{foot}");
+    assert!((width - 10.17).abs() < 0.25, "{width}");
+    assert!(kinetic < 0.2, "{kinetic}");
+    assert!((coarse[0] - length - 0.34).abs() < 0.1, "{}", coarse[0] - length);
+    let [_, both] = losses(&played);
+    assert!((both - 1.0).abs() < 0.03, "{both}");
+}
+
+#[test]
+#[ignore = "ten seconds: cargo test --release -- --ignored"]
+fn rods_that_flow_in_another_way_are_seen_to_fail() {
+    for flow in ["0.065, 0.356, 1", "0.065, 0, 0.37", "0.065, 0.178, 0.37"] {
+        let script = rod(flow);
+        let played = script.play(&[("end", 0.0794)]);
+        let [length, foot, width] = shape(&played.session.simulation, 0.5);
+        println!("V9 with {flow}: {length:.3} {foot:.3} {width:.3} {:?}", played.end);
+        assert!(played.end.is_err() || (length - 16.77).abs() > 0.17 || (foot - 14.4).abs() > 0.3);
+    }
 }
