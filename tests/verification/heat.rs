@@ -394,6 +394,81 @@ fn heat_moves_with_the_body_and_spreads_in_its_present_shape() {
     assert!(unstretched.abs() > 0.1);
 }
 
+/// A square that turns by one radian while it is drawn to 3/2 of its width: x = R(w t) diag(1 + r t, 1)
+/// x0, w = 20, r = 10, within 0.05. T = 3 + cos(pi x0) or the same of y0.
+const TURNED: &str = "
+h = 1/n
+r = 10
+w = 20
+method(tlmpm, FLIP, linear, 1, thermo-mechanical)
+dimension(2, -2, 2, -2, 2, h)
+thermal_blend(1)
+region(body, block, 0, 1, 0, 1)
+material(m, linear, 1, 1e-6, 0, 1, 1)
+solid(s, region, body, 2, m, h, 3)
+group(body, particles, region, body)
+fix(start, temperature_particles, body, 3 + cos(PI*x0))
+set_dt(0.05*h^2)
+set_output(0)
+run(1)
+delete_fix(start)
+a = 1 + r*time
+vx = (r*cos(w*time) - w*a*sin(w*time))*x0 - w*cos(w*time)*y0
+vy = (r*sin(w*time) + w*a*cos(w*time))*x0 - w*sin(w*time)*y0
+fix(move, velocity_particles, body, vx, vy)
+run_time(end)
+";
+
+/// Amplitude of cos(pi x0) or cos(pi y0) after 0.05.
+fn turned_amplitude(method: (&str, &str), axis: usize, n: f64) -> f64 {
+    let words = format!("{}, FLIP, {}, 1, thermo-mechanical", method.0, method.1);
+    let mut script = Script::new("heat.mpm", TURNED)
+        .replace("tlmpm, FLIP, linear, 1, thermo-mechanical", &words);
+    if axis == 1 {
+        script = script.replace("cos(PI*x0)", "cos(PI*y0)");
+    }
+    let played = play(&script, &[("n", n), ("end", 0.05)]);
+    let particles = &played.session.simulation.world.particles;
+    let (mut sum, mut norm) = (0.0, 0.0);
+    for (p, t) in particles.column(Column::Temperature).iter().enumerate() {
+        let mode = (PI * particles.reference_place(p)[axis]).cos();
+        (sum, norm) = (sum + mode * t, norm + mode * mode);
+    }
+    sum / norm
+}
+
+#[test]
+fn a_body_that_turns_and_stretches_conducts_along_its_present_axes() {
+    // rho0 cp T_t = J kappa C^-1 : grad0 grad0 T, C = diag(a^2, 1), J = a: along x0 the rate is
+    // pi^2/a, along y0 pi^2 a, whatever the turning.
+    let (r, time) = (10.0, 0.05);
+    let along = [f64::ln(1.0 + r * time) / r, time + 0.5 * r * time * time];
+    // With B in the place of C, F transposed, it would turn with the body.
+    let transposed = [0, 1].map(|axis| {
+        let steps = 1000;
+        let rate = |k: i32| {
+            let t = time * (f64::from(k) + 0.5) / f64::from(steps);
+            let (a, (sin, cos)) = (1.0 + r * t, f64::sin_cos(20.0 * t));
+            let [x, y] = if axis == 0 { [cos, sin] } else { [sin, cos] };
+            a * (x * x / (a * a) + y * y) * time / f64::from(steps)
+        };
+        (0..steps).map(rate).sum::<f64>()
+    });
+    for method in METHODS.into_iter().filter(|method| method.0 == "tlmpm") {
+        for axis in [0, 1] {
+            let found = turned_amplitude(method, axis, 20.0);
+            let against = |rate: f64| found / (-PI * PI * rate).exp() - 1.0;
+            let [error, still, wrong] = [along[axis], time, transposed[axis]].map(against);
+            println!(
+                "{method:?} along {axis}: {error:.1e}; undeformed {still:.2}, transposed {wrong:.2}"
+            );
+            // pi^2 h^2, as at rest, and the angle of a step.
+            assert!(error.abs() < PI * PI / 400.0, "{error}");
+            assert!(still.abs() > 0.06 && wrong.abs() > 0.06, "{still} {wrong}");
+        }
+    }
+}
+
 #[test]
 fn heat_limits_the_step() {
     let auto = Script::new("heat.mpm", BAR).replace("set_dt(0.2*h^2)", "log_modify(custom, dt)");
