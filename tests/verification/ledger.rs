@@ -41,7 +41,7 @@ fn imbalance_without(played: &Played, dropped: &str) -> f64 {
     (sum / largest).abs()
 }
 
-pub fn worst(played: &Played) -> f64 {
+fn worst(played: &Played) -> f64 {
     column(played, "error").iter().fold(0.0, |worst: f64, error| worst.max(error.abs()))
 }
 
