@@ -1,10 +1,13 @@
 //! Equations of state: pressure from density and energy (language.md 6.5, 9.3).
 
 pub mod fluid;
+pub mod ideal_gas;
 pub mod linear;
 pub mod shock;
 
+use crate::material::stages::{Stages, stiffen};
 use crate::material::{Chunk, Lane, State};
+use crate::model::column::Column;
 use crate::script::arguments::Args;
 use crate::script::diagnostic::Diagnostic;
 use crate::style::Style;
@@ -14,7 +17,7 @@ use std::sync::Arc;
 pub type BuildEos = fn(&mut Args<'_>) -> Result<Arc<dyn Eos>, Diagnostic>;
 
 /// All eos styles.
-pub const EOS: &[Style<BuildEos>] = &[linear::STYLE, shock::STYLE, fluid::STYLE];
+pub const EOS: &[Style<BuildEos>] = &[linear::STYLE, shock::STYLE, fluid::STYLE, ideal_gas::STYLE];
 
 /// An equation of state.
 pub trait Eos: Send + Sync {
@@ -24,8 +27,19 @@ pub trait Eos: Send + Sync {
     /// Bulk modulus K \[P\] of the undeformed material as the script gives it.
     fn bulk(&self) -> f64;
 
+    /// Internal energy E \[P\] per reference volume of a new particle, if the law advances it (column
+    /// `ienergy`). Such a law takes up what the deviator dissipates, and adds its own viscosity.
+    fn initial_energy(&self) -> Option<f64> {
+        None
+    }
+
+    /// Pressure \[P\] of a new particle.
+    fn initial_pressure(&self) -> f64 {
+        0.0
+    }
+
     /// Pressure p \[P\] of the volume ratio J, and of the temperature if the material is `heated`
-    /// by a temperature law.
+    /// by a temperature law. A law that advances its energy does so here.
     fn pressure(&self, chunk: &mut Chunk<'_>, heated: bool, pressure: &mut Lane);
 
     /// Tangent bulk modulus K_t \[P\] for wave speeds.
@@ -34,6 +48,30 @@ pub trait Eos: Send + Sync {
     /// Artificial viscosity in compression, if there is any.
     fn viscosity(&self) -> Option<Viscosity> {
         None
+    }
+
+    /// Does artificial viscosity act in compression?
+    fn is_viscous(&self) -> bool {
+        self.viscosity().is_some()
+    }
+
+    /// Adds to the internal energy, and to the pressure, what the deviator has dissipated in the
+    /// step: plastic work and that of a viscosity \[P T\].
+    fn absorb(&self, _viscosity: f64, _chunk: &mut Chunk<'_>, _stages: &mut Stages) {}
+
+    /// Raises wave speeds \[L/T\] by what artificial viscosity asks for.
+    fn stiffen(&self, chunk: &Chunk<'_>, speed: &mut Lane) {
+        if let Some(viscosity) = self.viscosity() {
+            stiffen(viscosity, chunk, speed);
+        }
+    }
+
+    /// Artificial viscosity \[P\] of particle `p` at the end of a step.
+    fn viscous_pressure(&self, chunk: &Chunk<'_>, p: usize) -> f64 {
+        self.viscosity().map_or(0.0, |viscosity| {
+            let trace = chunk.velocity_gradient(p).trace();
+            viscosity.pressure(self.density(), chunk.cell, chunk.state.value(Column::J, p), trace)
+        })
     }
 
     /// Internal energy e of the temperature \[P\].

@@ -24,9 +24,9 @@ pub mod state;
 pub mod von_mises;
 
 use crate::damage::Damage;
-use crate::eos::{Eos, Viscosity};
+use crate::eos::Eos;
 use crate::math::tensor::Tensor;
-use crate::model::column::ColumnSet;
+use crate::model::column::{Column, ColumnSet};
 use crate::script::arguments::{Args, Name};
 use crate::script::diagnostic::{Code, Diagnostic};
 use crate::strength::Strength;
@@ -186,6 +186,16 @@ pub trait Law: Send + Sync {
     /// Bulk and shear modulus K, G of the undeformed material \[P\]: the stiffness of contact.
     fn moduli(&self) -> [f64; 2];
 
+    /// Values of a new particle, in columns where they are not those of the table.
+    fn initial_values(&self) -> Vec<(Column, f64)> {
+        Vec::new()
+    }
+
+    /// Does the law read J at the start of the step too?
+    fn reads_volume_before(&self) -> bool {
+        false
+    }
+
     /// Does the body keep its shape and its velocity?
     fn is_rigid(&self) -> bool {
         false
@@ -235,9 +245,14 @@ pub trait Law: Send + Sync {
         0.0
     }
 
-    /// Artificial viscosity in compression, if there is any.
-    fn artificial_viscosity(&self) -> Option<Viscosity> {
-        None
+    /// Is there artificial viscosity in compression?
+    fn has_artificial_viscosity(&self) -> bool {
+        false
+    }
+
+    /// Its part of the pressure \[P\] of particle `p` at the end of a step.
+    fn viscous_pressure(&self, _chunk: &Chunk<'_>, _p: usize) -> f64 {
+        0.0
     }
 
     /// Plastic work per volume in the step \[P\] of particle `p`, whose stress was `old`, in the

@@ -153,6 +153,9 @@ fn stiffness(solid: &Solid, factor: Option<f64>) -> f64 {
         return 0.0;
     }
     let [bulk, shear] = solid.law.moduli();
+    if shear == 0.0 {
+        return 0.0;
+    }
     let nu = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
     factor.map_or(FRAC_PI_2 * shear / (1.0 - nu), |k| k * shear)
 }

@@ -24,6 +24,8 @@ pub struct Scratch {
     pub gradient: [Lane; 9],
     /// R of F = R U.
     pub rotation: [Lane; 9],
+    /// J at the start of the step, where a law reads it.
+    before: Lane,
     /// Velocity gradient or stress, as the loops over nodes want it.
     pub records: Records,
     /// Some other number of each particle.
@@ -40,6 +42,7 @@ impl Default for Scratch {
             state: State::default(),
             gradient: [NOTHING; 9],
             rotation: [NOTHING; 9],
+            before: NOTHING,
             records: [[[0.0; 4]; LANES]; 3],
             numbers: NOTHING,
             cell: 0.0,
@@ -62,6 +65,7 @@ impl Scratch {
             dt,
             gradient: &mut self.gradient,
             rotation: &mut self.rotation,
+            before: &mut self.before,
             cell: self.cell,
             failed: None,
             clipped: 0,

@@ -150,14 +150,12 @@ pub fn advance_and_book(
 
 /// Writes the artificial part of the pressure into its column.
 fn note_viscosity(law: &dyn Law, chunk: &mut Chunk<'_>) {
-    let Some(viscosity) = law.artificial_viscosity() else {
+    if !law.has_artificial_viscosity() {
         return;
-    };
+    }
     for p in 0..chunk.state.len {
-        let j = chunk.state.value(Column::J, p);
-        let trace = chunk.velocity_gradient(p).trace();
         let alive = chunk.state.value(Column::Damage, p) < 1.0;
-        let pressure = viscosity.pressure(law.density(), chunk.cell, j, trace);
+        let pressure = law.viscous_pressure(chunk, p);
         chunk.state.set_value(Column::ViscousPressure, p, if alive { pressure } else { 0.0 });
     }
 }

@@ -472,9 +472,14 @@ pub fn at_rest(world: &World) -> Vec<Report> {
         let report = &mut reports[if world.method.total { number } else { 0 }];
         solid.law.wave_speed(state, &mut speed);
         report.spread(solid.spreading, state);
+        let inverse_cell = 1.0 / solid.cells.cell;
         for (speed, v) in speed.as_flattened().iter().zip(&world.particles.velocity[range]) {
-            let fastest = speed + v[0].abs().max(v[1].abs()).max(v[2].abs());
-            report.fastest = report.fastest.max(fastest);
+            let fastest = v[0].abs().max(v[1].abs()).max(v[2].abs());
+            report.fastest = report.fastest.max(speed + fastest);
+            if solid.law.reads_volume_before() {
+                // A gas can be slower than what hits it: all of its speed may end in one cell.
+                report.rate = report.rate.max((fastest * inverse_cell).powi(2));
+            }
         }
         if world.method.total {
             report.thinnest = report.thinnest.min(thinnest(state));

@@ -1,12 +1,14 @@
 //! Pressure from an equation of state, deviator from a strength law.
 
-use super::stages::{Stages, add_viscosity, assemble, stiffen, weaken_tension};
+use super::stages::{Stages, add_viscosity, assemble, weaken_tension};
 use super::{BuildMaterial, Chunk, Family, Lane, Law, NOTHING, State, Thermal, write_strain};
 use crate::damage::Damage;
-use crate::eos::{Eos, Viscosity};
+use crate::eos::Eos;
 use crate::math::tensor::Tensor;
 use crate::math::v4::{Sweep, Wide, dispatch};
 use crate::model::column::{Column, ColumnSet};
+use crate::script::arguments::Name;
+use crate::script::diagnostic::{Code, Diagnostic};
 use crate::strength::Strength;
 use crate::style::Style;
 use crate::temperature::Temperature;
@@ -22,7 +24,7 @@ sigma = -p I + s: p from the `eos`, s from the `strength` (trial 2 G (1 - D) dt 
 deviator, then back to the flow stress). With a `damage` law tension becomes (1 - D) p and
 particles with D = 1 carry no stress; with a `temperature` law p += 3 K alpha (T - T0) and plastic
 work heats. Wave speed sqrt((K_t + 4 G/3)/rho), K_t the tangent of the eos. Elastic strain
-ln J/3 I + s/(2 G (1 - D)).
+ln J/3 I + s/(2 G (1 - D)). An `ideal-gas` keeps its own energy and takes neither of the two laws.
 Source: de Vaucorbeil et al. 2020, section 2.2; language.md 9.3, 9.5.",
     build: Some(|args, families| {
         let eos = (families.eos)(&args.word("an eos ID")?)?;
@@ -30,6 +32,9 @@ Source: de Vaucorbeil et al. 2020, section 2.2; language.md 9.3, 9.5.",
         let mut law = EosStrength { eos, strength, damage: None, temperature: None };
         while args.remaining() > 0 {
             let name = args.word("a damage ID or a temperature ID")?;
+            if law.eos.initial_energy().is_some() {
+                return Err(keeps_its_energy(&name));
+            }
             match (families.either)(&name)? {
                 Family::Damage(damage) if law.damage.is_none() => law.damage = Some(damage),
                 Family::Temperature(temperature) if law.temperature.is_none() => {
@@ -41,6 +46,14 @@ Source: de Vaucorbeil et al. 2020, section 2.2; language.md 9.3, 9.5.",
         Ok(Arc::new(law))
     }),
 };
+
+/// The mistake of a damage or temperature law beside an eos that advances its own energy.
+fn keeps_its_energy(name: &Name) -> Diagnostic {
+    let message =
+        format!("`{}` cannot go with an eos that keeps its own internal energy", name.text);
+    Diagnostic::error(Code::NotCombined, name.span, message)
+        .label("a gas takes no damage and no temperature law")
+}
 
 /// sigma = -p I + s.
 ///
@@ -61,6 +74,9 @@ impl Law for EosStrength {
         let mut columns = ColumnSet::default();
         columns.extend(Column::stress(dimension));
         columns.extend(self.strength.columns());
+        if self.eos.initial_energy().is_some() {
+            columns.insert(Column::InternalEnergy);
+        }
         if self.damage.is_some() {
             columns.extend(&[Column::Damage, Column::DamageInitiation]);
         }
@@ -69,6 +85,19 @@ impl Law for EosStrength {
             columns.insert(Column::Temperature);
         }
         columns
+    }
+
+    fn initial_values(&self) -> Vec<(Column, f64)> {
+        let Some(energy) = self.eos.initial_energy() else {
+            return Vec::new();
+        };
+        let normal = [Column::S11, Column::S22, Column::S33];
+        let stress = normal.map(|column| (column, -self.eos.initial_pressure()));
+        stress.into_iter().chain([(Column::InternalEnergy, energy)]).collect()
+    }
+
+    fn reads_volume_before(&self) -> bool {
+        self.eos.initial_energy().is_some()
     }
 
     fn is_incremental(&self) -> bool {
@@ -86,6 +115,9 @@ impl Law for EosStrength {
     fn reference_wave_speed(&self) -> f64 {
         let mut state = State::default();
         (state.dimension, state.len) = (3, 1);
+        for (column, value) in self.initial_values() {
+            state.set_value(column, 0, value);
+        }
         let mut speed = NOTHING;
         self.wave_speed(&state, &mut speed);
         speed[0][0]
@@ -106,6 +138,9 @@ impl Law for EosStrength {
             temperature.add_pressure(self.eos.bulk(), chunk, stages);
         }
         self.strength.deviator(damaged, chunk, stages);
+        if self.eos.initial_energy().is_some() {
+            self.eos.absorb(self.strength.viscosity(), chunk, stages);
+        }
         if let Some(damage) = &self.damage {
             damage.grow(chunk, stages);
         }
@@ -122,9 +157,7 @@ impl Law for EosStrength {
     }
 
     fn stiffen(&self, chunk: &Chunk<'_>, speed: &mut Lane) {
-        if let Some(viscosity) = self.eos.viscosity() {
-            stiffen(viscosity, chunk, speed);
-        }
+        self.eos.stiffen(chunk, speed);
     }
 
     fn viscosity(&self) -> f64 {
@@ -134,8 +167,14 @@ impl Law for EosStrength {
     fn stored_energy(&self, state: &State, out: &mut Lane) {
         for p in 0..state.len {
             let sigma = state.stress(p);
-            let energy = 0.5 * sigma.dot(&self.strain(state, p, &sigma));
-            out[p / 4][p % 4] = state.value(Column::J, p) * energy;
+            let j = state.value(Column::J, p);
+            out[p / 4][p % 4] = match self.eos.initial_energy() {
+                None => 0.5 * j * sigma.dot(&self.strain(state, p, &sigma)),
+                Some(_) => {
+                    let shape = deviator(&sigma).dot(&self.strain(state, p, &sigma));
+                    state.value(Column::InternalEnergy, p) + 0.5 * j * shape
+                }
+            };
         }
     }
 
@@ -156,14 +195,19 @@ impl Law for EosStrength {
     }
 
     fn internal_energy(&self, state: &State, p: usize) -> f64 {
-        match self.temperature {
-            Some(_) => self.eos.energy(state.value(Column::Temperature, p)),
-            None => 0.0,
+        match (self.eos.initial_energy(), &self.temperature) {
+            (Some(_), _) => state.value(Column::InternalEnergy, p),
+            (None, Some(_)) => self.eos.energy(state.value(Column::Temperature, p)),
+            (None, None) => 0.0,
         }
     }
 
-    fn artificial_viscosity(&self) -> Option<Viscosity> {
-        self.eos.viscosity()
+    fn has_artificial_viscosity(&self) -> bool {
+        self.eos.is_viscous()
+    }
+
+    fn viscous_pressure(&self, chunk: &Chunk<'_>, p: usize) -> f64 {
+        self.eos.viscous_pressure(chunk, p)
     }
 
     fn heating(&self, state: &State, p: usize) -> f64 {
@@ -171,7 +215,7 @@ impl Law for EosStrength {
             return 0.0;
         };
         let sigma = state.stress(p);
-        let deviator = sigma - Tensor::identity() * (sigma.trace() / 3.0);
+        let deviator = deviator(&sigma);
         let rate = state.value(Column::PlasticStrainRate, p);
         law.power(state.value(Column::Temperature, p), 1.5f64.sqrt() * deviator.norm(), rate)
     }
@@ -180,12 +224,15 @@ impl Law for EosStrength {
 impl EosStrength {
     /// ln J/3 I + s/(2 G (1 - D)), the second term 0 where s = 0, in fluids too.
     fn strain(&self, state: &State, p: usize, sigma: &Tensor) -> Tensor {
-        let mean = Tensor::identity() * (sigma.trace() / 3.0);
-        let deviator = sigma - mean;
+        let deviator = deviator(sigma);
         let volume = Tensor::identity() * (state.value(Column::J, p).ln() / 3.0);
         let stiffness = 2.0 * self.strength.shear() * (1.0 - state.value(Column::Damage, p));
         if stiffness > 0.0 { volume + deviator / stiffness } else { volume }
     }
+}
+
+fn deviator(sigma: &Tensor) -> Tensor {
+    sigma - Tensor::identity() * (sigma.trace() / 3.0)
 }
 
 /// sqrt((K_t + 4 G/3) J/rho0), from K_t in `out`; 0 where D = 1.

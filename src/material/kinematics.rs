@@ -71,6 +71,9 @@ impl Description {
         if chunk.state.has(Column::Damage) {
             chunk.hold_failed();
         }
+        if law.reads_volume_before() {
+            *chunk.before = *chunk.state.lane(Column::J);
+        }
         let good = match self {
             Description::Total => in_dimensions!(dimension, Total { chunk, incremental }),
             Description::Updated(rate) => {

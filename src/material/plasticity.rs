@@ -286,6 +286,7 @@ fn seven_with(column: Column, value: f64, act: impl FnOnce(&mut Chunk<'_>)) -> S
         dt: 1.0,
         gradient: &mut [NOTHING; 9],
         rotation: &mut [NOTHING; 9],
+        before: &mut { NOTHING },
         cell: 1.0,
         failed: None,
         clipped: 0,

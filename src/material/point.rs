@@ -34,6 +34,9 @@ impl<'a> Point<'a> {
         let mut point =
             Self { law, description, columns, state, failed: None, clipped: 0, cell: 1.0 };
         point.set(Column::Temperature, law.initial_temperature());
+        for (column, value) in law.initial_values() {
+            point.set(column, value);
+        }
         point
     }
 
@@ -55,6 +58,7 @@ impl<'a> Point<'a> {
             dt,
             gradient: &mut gradient,
             rotation: &mut [NOTHING; 9],
+            before: &mut { NOTHING },
             cell: self.cell,
             failed: None,
             clipped: 0,

@@ -241,6 +241,8 @@ pub struct Chunk<'a> {
     /// Entry 3 i + j of the velocity gradient \[1/T\], in the axes in which the stress is kept;
     /// entries beyond the dimension are 0.
     pub gradient: &'a mut [Lane; 9],
+    /// J at the start of the step, where the law reads it ([`super::Law::reads_volume_before`]).
+    pub before: &'a mut Lane,
     /// Total Lagrangian: R of F = R U; what stands here otherwise has no meaning.
     pub rotation: &'a mut [Lane; 9],
     /// Cell size h \[L\].

@@ -45,10 +45,12 @@ pub enum Column {
     Temperature,
     /// Artificial part of the pressure, kept for the energy ledger.
     ViscousPressure,
+    /// Internal energy per reference volume.
+    InternalEnergy,
 }
 
 /// Number of columns in the table.
-pub const COLUMNS: usize = Column::ViscousPressure as usize + 1;
+pub const COLUMNS: usize = Column::InternalEnergy as usize + 1;
 
 /// What the table says about a column.
 pub struct ColumnInfo {
@@ -98,6 +100,7 @@ pub const TABLE: [ColumnInfo; COLUMNS] = [
     row("damage_init", "1"),
     row("T", "K"),
     row("viscous_pressure", "P"),
+    row("ienergy", "P"),
 ];
 
 impl Column {
@@ -133,6 +136,7 @@ impl Column {
             DamageInitiation,
             Temperature,
             ViscousPressure,
+            InternalEnergy,
         ]
     };
 

@@ -98,8 +98,8 @@ fn field(name: &str) -> Option<Field> {
         .map(Field::Place)
         .or_else(|| axis(["vx", "vy", "vz"]).map(Field::Velocity))
         .or_else(|| strain.map(Field::Strain))
-        .or_else(|| Column::named(name).map(Field::Stored))
         .or_else(|| HEAT.iter().find(|(known, _)| *known == name).map(|(_, field)| *field))
+        .or_else(|| Column::named(name).map(Field::Stored))
         .or(match name {
             "mass" => Some(Field::Mass),
             "seq" => Some(Field::Equivalent),

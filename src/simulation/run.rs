@@ -107,7 +107,7 @@ impl Simulation {
         if plan.columns.contains(Column::F11) {
             plan.columns.extend(self.world.deformation_columns());
         }
-        let artificial = |solid: &Solid| solid.law.artificial_viscosity().is_some();
+        let artificial = |solid: &Solid| solid.law.has_artificial_viscosity();
         if plan.ledger && self.world.solids.iter().any(artificial) {
             plan.columns.insert(Column::ViscousPressure);
         }

@@ -199,6 +199,7 @@ impl Simulation {
     ) -> usize {
         let World { particles, solids, method, .. } = &mut self.world;
         let density = solids[solid].law.density();
+        let values = solids[solid].law.initial_values();
         let before = particles.len();
         let mut id = particles.id.iter().copied().max().unwrap_or(0);
         each(&mut |place, volume| {
@@ -209,6 +210,9 @@ impl Simulation {
                 particles.push(id, solid as u16, place, density * volume, volume);
             }
         });
+        for (column, value) in values {
+            particles.column_mut(column)[before..].fill(value);
+        }
         particles.len() - before
     }
 

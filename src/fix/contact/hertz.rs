@@ -40,11 +40,12 @@ impl ContactStyle for Hertz {
     }
 }
 
-/// (1 - nu^2)/E = (3 K + 4 G)/(4 G (3 K + G)); 0 for a rigid body.
+/// (1 - nu^2)/E = (3 K + 4 G)/(4 G (3 K + G)); 0 for a rigid body, infinite for a fluid.
 fn compliance([bulk, shear]: [f64; 2]) -> f64 {
-    match bulk.is_finite() {
-        true => (3.0 * bulk + 4.0 * shear) / (4.0 * shear * (3.0 * bulk + shear)),
-        false => 0.0,
+    match (bulk.is_finite(), shear > 0.0) {
+        (true, true) => (3.0 * bulk + 4.0 * shear) / (4.0 * shear * (3.0 * bulk + shear)),
+        (true, false) => f64::INFINITY,
+        (false, _) => 0.0,
     }
 }
 
@@ -84,5 +85,6 @@ mod tests {
     #[test]
     fn fluids_do_not_push() {
         assert_eq!(1.0 / compliance([2e6, 0.0]), 0.0);
+        assert_eq!(1.0 / compliance([0.0, 0.0]), 0.0);
     }
 }
