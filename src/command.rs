@@ -113,7 +113,9 @@ material. Where conduction counts write thermal_blend(1).",
         ),
         "For `ulmpm`. `error` (default): a particle whose centre leaves the box stops the run.
 `delete`: it is removed; the end of the log tells how many were. `bounce`: x <- 2 w - x and v <- -v
-on the axis of the wall w; meant for loose particles: hold a body with `velocity_nodes`.",
+on the axis of the wall w; meant for loose particles: hold a body with `velocity_nodes`. The wall of
+`bounce` is no force on the nodes: what it does to a particle that neighbours push is in no balance,
+and bodies lose energy or gain some (a block on hats: two and a half times what it came with).",
     ),
     row("region", "ID, style, ...", "a set of points", matter::region),
     row("eos", "ID, style, ...", "an equation of state", law::eos),

@@ -264,7 +264,7 @@ impl Parts<'_> {
             self.loops.timing.end(Phase::GridToPoints);
         }
         if !report.watch.is_finite() {
-            return Err(watch::not_finite(self.world, &self.clock));
+            return Err(watch::not_finite(self.world, self.is_fragile(), &self.clock));
         }
         if !self.world.method.total {
             self.loops.travelled += report.farthest / self.world.domain.cell;
@@ -431,6 +431,12 @@ impl Parts<'_> {
         Ok(())
     }
 
+    /// Do strains follow from velocities that hardly any mass carries: those of `usl`, or those of
+    /// affine transfers?
+    fn is_fragile(&self) -> bool {
+        self.scheme == SchemeKind::Usl || self.transfer.is_affine()
+    }
+
     fn points_of_stress(&self) -> Points {
         Points {
             stress: true,
@@ -446,7 +452,7 @@ impl Parts<'_> {
         self.loops.clipped += report.clipped as u64;
         self.loops.timing.end(Phase::Stress);
         if let Some(particle) = report.failed {
-            return Err(watch::inverted(self.world, particle, &self.clock));
+            return Err(watch::inverted(self.world, particle, self.is_fragile(), &self.clock));
         }
         if let Some(particle) = report.escaped {
             return Err(watch::escaped(self.world, particle, &self.clock));

@@ -26,12 +26,36 @@ fn when(clock: &Clock) -> String {
     format!("step {}, time {:.6e}, dt {:.3e}", clock.step, clock.end(), clock.dt)
 }
 
+/// Does a particle stand where no time step is stable for one that is alone? `fragile`: `usl`, or an
+/// affine transfer.
+///
+/// In the last cell before a wall of the box splines end like hats: a node has the weight xi of a
+/// particle at a distance xi h, and the gradient 1/h, so that h^2 sum |grad N|^2/N grows as 1/xi.
+fn alone_at_a_wall(world: &World, particle: usize, fragile: bool) -> bool {
+    let domain = &world.domain;
+    let place = world.particles.position[particle];
+    let near = |axis: usize| {
+        let [low, high] = [domain.lower[axis], domain.upper[axis]];
+        place[axis] < low + domain.cell || place[axis] > high - domain.cell
+    };
+    fragile && !world.method.total && (0..domain.dimension).any(near)
+}
+
+const AT_A_WALL: &str = "with `usl` or an affine transfer no step is stable for a particle that is alone \
+     in the last cell before a wall of the box; use `musl` with FLIP, a larger box or `boundary(delete)`";
+
 /// Some velocity is not a finite number.
-pub fn not_finite(world: &World, clock: &Clock) -> Fault {
+pub fn not_finite(world: &World, fragile: bool, clock: &Clock) -> Fault {
     let lost = world.particles.velocity.iter().position(|v| v[..3].iter().any(|x| !x.is_finite()));
     let who = lost.map_or_else(|| "a particle".to_string(), |p| describe(world, p));
-    Fault::run(format!("the velocity is not finite: {who}; {}", when(clock)))
-        .because("the time step is too large, or a formula or a stiffness has run away; try a smaller `set_dt` or `dt_factor`")
+    let wall = lost.is_some_and(|p| alone_at_a_wall(world, p, fragile));
+    Fault::run(format!("the velocity is not finite: {who}; {}", when(clock))).because(match wall {
+        true => AT_A_WALL,
+        false => {
+            "the time step is too large, or a formula or a stiffness has run away; try a smaller \
+             `set_dt` or `dt_factor`"
+        }
+    })
 }
 
 /// Some temperature is not a finite number.
@@ -43,14 +67,21 @@ pub fn too_hot(world: &World, clock: &Clock) -> Fault {
     )
 }
 
-/// A law reports det F <= 0 or a stress that is not finite.
-pub fn inverted(world: &World, particle: usize, clock: &Clock) -> Fault {
-    let what = format!(
-        "the material is turned inside out (det F <= 0): {}; {}",
-        describe(world, particle),
-        when(clock)
-    );
-    Fault::run(what).because("the body is crushed within one step; try a smaller `set_dt` or `dt_factor`, or a finer grid")
+/// A law reports det F <= 0, a stress that is not finite, or a negative energy.
+pub fn inverted(world: &World, particle: usize, fragile: bool, clock: &Clock) -> Fault {
+    let energies = world.particles.column(Column::InternalEnergy);
+    let how = match energies.get(particle).is_some_and(|energy| *energy < 0.0) {
+        true => "the gas has lost more energy in a step than it had",
+        false => "the material is turned inside out (det F <= 0)",
+    };
+    let what = format!("{how}: {}; {}", describe(world, particle), when(clock));
+    Fault::run(what).because(match alone_at_a_wall(world, particle, fragile) {
+        true => AT_A_WALL,
+        false => {
+            "the body is crushed within one step; try a smaller `set_dt` or `dt_factor`, or a finer \
+             grid"
+        }
+    })
 }
 
 /// A particle is outside the box.

@@ -12,7 +12,10 @@ pub const STYLE: Style<&'static dyn Scheme> = Style {
     summary: "update stress last: strains from v*, no second mapping",
     manual: "\
 Dissipates a little, and is unstable where a particle barely touches a node: with hats no step is
-small enough for every place of a particle in its cell (a warning says so).
+small enough for every place of a particle in its cell (a warning says so). Splines end like hats in
+the last cell before a wall of the box: there a particle that is alone, xi h from the wall, would need
+a step below 2 h sqrt(xi)/c, and what approaches the wall goes wrong; bodies are held by their
+neighbours. Affine transfers share this.
 Source: Sulsky, Chen, Schreyer 1994.",
     build: Some(&Usl),
 };

@@ -73,7 +73,11 @@ impl Simulation {
         }
         for (count, what) in [
             (self.loops.removed, "particles left the box and were removed"),
-            (self.loops.bounced, "times a particle was reflected by the box"),
+            (
+                self.loops.bounced,
+                "times a particle was reflected by the box: right for particles that fly alone; hold \
+                 bodies with `velocity_nodes`",
+            ),
         ] {
             if count > 0 {
                 self.outputs.warn(&format!("{count} {what}"))?;
