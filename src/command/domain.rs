@@ -152,8 +152,7 @@ Source: Karamelo's rule; Nairn and Guilkey 2015 for the weight r.";
 pub fn axisymmetric(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
     scene.before_runs(args.command)?;
     let span = args.next_span();
-    let words = ["true", "false"];
-    let axisymmetric = available(args, "truth value", &words, &words)?.text == words[0];
+    let axisymmetric = args.choice("truth value", &["false", "true"])? == 1;
     if axisymmetric != scene.axisymmetric && !scene.solids.is_empty() {
         let message = "`axisymmetric` stands below a solid";
         return Err(Diagnostic::error(Code::Order, args.command.span, message)

@@ -161,10 +161,11 @@ impl Diagnostic {
 /// code at the same place is the same mistake.
 pub fn ordered(list: &[Diagnostic]) -> Vec<&Diagnostic> {
     let mut ordered: Vec<&Diagnostic> = list.iter().collect();
-    ordered.sort_by_key(|diagnostic| (diagnostic.span.start, diagnostic.code.number()));
-    ordered.dedup_by(|second, first| {
-        second.code == first.code && second.span.start == first.span.start
-    });
+    let key = |diagnostic: &&Diagnostic| {
+        (diagnostic.span.start, diagnostic.code.number(), diagnostic.message.clone())
+    };
+    ordered.sort_by_cached_key(key);
+    ordered.dedup_by_key(|diagnostic| key(&*diagnostic));
     ordered
 }
 
