@@ -61,18 +61,14 @@ fn each_chunk(world: &World, tile: Range<usize>, mut visit: impl FnMut(Range<usi
     }
 }
 
-/// The places that weights belong to.
-fn places(world: &World) -> &[[f64; 4]] {
-    if world.method.total { &world.particles.reference } else { &world.particles.position }
-}
-
 fn collect_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
     tiles: &mut Tiles,
     world: &mut World,
 ) {
     let mut nodes = std::mem::take(&mut world.grid.temperature);
     let shared = Shared::new(&mut nodes);
-    let (places, temperature) = (places(world), world.particles.column(Column::Temperature));
+    let (places, temperature) =
+        (world.particles.places(world.method.total), world.particles.column(Column::Temperature));
     tiles.sweep(|tile, _| {
         each_chunk(world, tile.range, |range, thermal| {
             dispatch(Collect::<'_, D, W, S> {
@@ -128,7 +124,7 @@ fn conduct_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
 ) {
     let mut heating = std::mem::take(&mut world.grid.heating);
     let shared = Shared::new(&mut heating);
-    let places = places(world);
+    let places = world.particles.places(world.method.total);
     let total = world.description() == Description::Total;
     // F where the weights belong to reference places.
     let mut columns = ColumnSet::default();
@@ -238,7 +234,7 @@ fn gather_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
     let column = Column::Temperature as usize;
     let mut temperature = std::mem::take(&mut world.particles.columns[column]);
     let shared = Shared::new(&mut temperature);
-    let places = places(world);
+    let places = world.particles.places(world.method.total);
     let report = tiles.sweep(|tile, report| {
         each_chunk(world, tile.range, |range, _| {
             dispatch(Gather::<'_, D, W, S> {

@@ -31,7 +31,7 @@ fn sweep_of<const D: usize, const W: usize, const ROUND: bool, S: Shape<W> + Syn
     let mut deformation = ColumnSet::default();
     deformation.extend(world.deformation_columns());
     let World { particles, grid, solids, .. } = world;
-    let places = if total { &particles.reference } else { &particles.position };
+    let places = particles.places(total);
     let mapped = &grid.mapped;
     let dilation = Shared::new(&mut grid.dilation);
     tiles.sweep(|tile, _| {

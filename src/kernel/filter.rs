@@ -60,7 +60,7 @@ fn project_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
     spare: &mut [[f64; 4]],
 ) {
     let World { particles, grid, method, .. } = world;
-    let places = if method.total { &particles.reference } else { &particles.position };
+    let places = particles.places(method.total);
     let spare = Shared::new(spare);
     tiles.sweep(|tile, _| {
         dispatch(Part::<'_, D, W, S> {

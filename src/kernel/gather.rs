@@ -283,7 +283,7 @@ fn scatter_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
     affine: bool,
 ) {
     let World { particles, grid, method, .. } = world;
-    let places = if method.total { &particles.reference } else { &particles.position };
+    let places = particles.places(method.total);
     let mapped = Shared::new(&mut grid.mapped);
     tiles.sweep(|tile, _| {
         let matrix = particles.matrix.each_ref().map(|column| match affine {

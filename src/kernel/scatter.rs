@@ -121,7 +121,7 @@ fn external_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
     world: &mut World,
 ) {
     let World { particles, grid, method, solids, .. } = world;
-    let places = if method.total { &particles.reference } else { &particles.position };
+    let places = particles.places(method.total);
     let nodes = Shared::new(&mut grid.nodes);
     let external = Shared::new(&mut grid.external);
     let force = [Column::Bx, Column::By, Column::Bz].map(|column| particles.column(column));

@@ -82,6 +82,12 @@ impl Particles {
             .filter(|records| !records.is_empty())
     }
 
+    /// The places that weights belong to: x0, y0, z0 in total Lagrangian methods, else x, y, z.
+    #[inline(always)]
+    pub fn places(&self, total: bool) -> &[[f64; 4]] {
+        if total { &self.reference } else { &self.position }
+    }
+
     /// Reference position of a particle \[L\].
     pub fn reference_place(&self, particle: usize) -> [f64; 3] {
         [Column::X0, Column::Y0, Column::Z0]
