@@ -13,6 +13,7 @@ mod convergence;
 mod dam;
 mod fixes;
 mod granular;
+mod gas;
 mod heat;
 mod inputs;
 mod invariants;
