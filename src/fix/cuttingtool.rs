@@ -25,7 +25,8 @@ smaller distance p. Eleven values: F = K G p (1 - D). Six values: F = (PI/2) G (
 p^1.5, as printed in the paper (it lacks the root of a length). Values may be formulas of time; zT and
 the velocity of the tip do not enter the force. In three dimensions the wedge reaches along z.
 Limits an adaptive dt to 0.2 sqrt(m/k), k = dF/dp.
-Publishes the total force in ID_x, ID_y, ID_z and the work done so far, sum dt F.v, in ID_s.
+Publishes the total force in ID_x, ID_y, ID_z and the work done so far in ID_s:
+sum F.dx, dx the mean of the ways before and after, as in the energy ledger.
 Source: de Vaucorbeil et al. 2020, eqs 4.2 to 4.5; language.md 7.4.",
     build: Some(|args, target| {
         target.require("cuttingtool", &[GroupKind::Particles, GroupKind::All])?;
@@ -162,7 +163,7 @@ fn stiffness(solid: &Solid, factor: Option<f64>) -> f64 {
 
 impl Fix for CuttingTool {
     fn stages(&self) -> &'static [Stage] {
-        &[Stage::InitialIntegrate]
+        &[Stage::InitialIntegrate, Stage::FinalIntegrate]
     }
 
     fn needs(&self, plan: &mut Plan, dimension: usize) {
@@ -176,7 +177,11 @@ impl Fix for CuttingTool {
         }
     }
 
-    fn apply(&mut self, _stage: Stage, step: &mut Step<'_>) -> Result<(), Fault> {
+    fn apply(&mut self, stage: Stage, step: &mut Step<'_>) -> Result<(), Fault> {
+        if stage == Stage::FinalIntegrate {
+            self.pushed.work(step.world);
+            return Ok(());
+        }
         let (factor, wedge) = self.shape(step)?;
         self.stiffness.clear();
         self.stiffness.extend(step.world.solids.iter().map(|solid| stiffness(solid, factor)));

@@ -20,7 +20,8 @@ pub const STYLE: Style<BuildFix> = Style {
 H1: particles with r < R from the centre are pushed outward with K (R - r)^2, K [M/(L T^2)], R > 0 [L].
 Values may be formulas of time; coordinates beyond the dimension are ignored. Limits an adaptive dt
 to 0.2 sqrt(m/k), k = 2 K (R - r).
-Publishes the total force in ID_x, ID_y, ID_z and the work done so far, sum dt F.v, in ID_s.
+Publishes the total force in ID_x, ID_y, ID_z and the work done so far in ID_s:
+sum F.dx, dx the mean of the ways before and after, as in the energy ledger.
 Old form: `indent, group, x, y, z, R, K`. Source: language.md 6.6.",
     build: Some(|args, target| {
         target.require("indent", &[GroupKind::Particles, GroupKind::All])?;
@@ -77,7 +78,7 @@ impl Indent {
 
 impl Fix for Indent {
     fn stages(&self) -> &'static [Stage] {
-        &[Stage::InitialIntegrate]
+        &[Stage::InitialIntegrate, Stage::FinalIntegrate]
     }
 
     fn needs(&self, plan: &mut Plan, dimension: usize) {
@@ -88,7 +89,11 @@ impl Fix for Indent {
         self.values.formulas()
     }
 
-    fn apply(&mut self, _stage: Stage, step: &mut Step<'_>) -> Result<(), Fault> {
+    fn apply(&mut self, stage: Stage, step: &mut Step<'_>) -> Result<(), Fault> {
+        if stage == Stage::FinalIntegrate {
+            self.pushed.work(step.world);
+            return Ok(());
+        }
         let values = self.values.now(step.board, &step.clock)?;
         let [stiffness, x, y, z, radius] = self.ordered(values);
         let (centre, dimension) = ([x, y, z], self.dimension);

@@ -24,17 +24,30 @@ pub struct Thrust {
 pub struct Pushed {
     group: GroupId,
     members: Vec<usize>,
+    /// Ids of the particles that this step pushes, ascending, and the forces on them \[M L/T^2\].
+    forces: Vec<(u32, [f64; 3])>,
     total: [f64; 3],
     /// Work done on the particles so far \[M L^2/T^2\].
     work: f64,
     /// Largest stiffness over mass \[1/T^2\].
     rate: f64,
+    /// Size of the step before \[T\].
+    before: f64,
 }
 
 impl Pushed {
     /// The particles of a group.
     pub fn new(group: GroupId) -> Self {
-        Self { group, members: Vec::new(), total: [0.0; 3], work: 0.0, rate: 0.0 }
+        let (members, forces) = (Vec::new(), Vec::new());
+        Self {
+            group,
+            members,
+            forces,
+            total: [0.0; 3],
+            work: 0.0,
+            rate: 0.0,
+            before: f64::INFINITY,
+        }
     }
 
     /// The columns it writes.
@@ -43,6 +56,11 @@ impl Pushed {
     }
 
     /// mbp += what `thrust` gives for each particle of the group; rigid bodies are not pushed.
+    ///
+    /// Velocities belong to the middle of a step, so that the work of a force F at its start is
+    /// F . (dt/dt' dx' + dx)/2 with the ways before and after; here the first half, the other in
+    /// [`Pushed::work`]. The velocity of a particle is no measure of its way: it also holds what the
+    /// grid cannot see, which forces on single particles feed.
     pub fn push(
         &mut self,
         world: &mut World,
@@ -51,21 +69,40 @@ impl Pushed {
     ) {
         self.members.clear();
         self.members.extend(world.particles.of_group(&world.groups, self.group));
+        self.forces.clear();
+        self.forces.reserve(self.members.len());
         (self.total, self.rate) = ([0.0; 3], 0.0);
         for p in self.members.iter().copied() {
-            let Some(Thrust { force, stiffness }) = thrust(world, p) else { continue };
+            let Some(Thrust { mut force, stiffness }) = thrust(world, p) else { continue };
             if world.solids[world.particles.solid[p] as usize].rigid {
                 continue;
             }
-            let velocity = world.particles.velocity[p];
             self.rate = self.rate.max(stiffness / world.particles.position[p][3]);
             let columns = [Column::Bx, Column::By, Column::Bz].into_iter().enumerate();
             for (axis, column) in columns {
-                if let Some(sum) = world.particles.column_mut(column).get_mut(p) {
-                    *sum += force[axis];
-                    self.total[axis] += force[axis];
-                    self.work += dt * force[axis] * velocity[axis];
+                match world.particles.column_mut(column).get_mut(p) {
+                    Some(sum) => *sum += force[axis],
+                    None => force[axis] = 0.0,
                 }
+                self.total[axis] += force[axis];
+            }
+            self.work += 0.5 * dt / self.before * along(&force, &world.particles.displacement[p]);
+            self.forces.push((world.particles.id[p], force));
+        }
+        self.forces.sort_unstable_by_key(|(id, _)| *id);
+        self.before = dt;
+    }
+
+    /// The second half of the work, once the particles have moved: they may have been sorted since,
+    /// or have left.
+    pub fn work(&mut self, world: &World) {
+        if self.forces.is_empty() {
+            return;
+        }
+        let particles = &world.particles;
+        for (id, dx) in particles.id.iter().zip(&particles.displacement) {
+            if let Ok(place) = self.forces.binary_search_by_key(id, |(id, _)| *id) {
+                self.work += 0.5 * along(&self.forces[place].1, dx);
             }
         }
     }
@@ -80,6 +117,11 @@ impl Pushed {
         let [x, y, z] = self.total;
         [x, y, z, self.work]
     }
+}
+
+/// F . dx.
+fn along(force: &[f64; 3], way: &[f64; 4]) -> f64 {
+    force.iter().zip(way).map(|(f, dx)| f * dx).sum()
 }
 
 /// Numbers of a tool: formulas of time, evaluated at the start of each step.
