@@ -21,6 +21,6 @@ pub trait Damage: Send + Sync {
     fn reads_temperature(&self) -> bool;
 
     /// Lets the columns of the damage D and of its initiation grow with the plastic strain of the
-    /// step.
-    fn grow(&self, chunk: &mut Chunk<'_>, stages: &Stages);
+    /// step. The equivalent stress of a particle that fails becomes 0.
+    fn grow(&self, chunk: &mut Chunk<'_>, stages: &mut Stages);
 }

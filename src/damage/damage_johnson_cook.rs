@@ -20,7 +20,8 @@ pub const STYLE: Style<BuildDamage> = Style {
     manual: "\
 ef = (d1 + d2 exp(d3 s*)) (1 + d4 ln max(epdot/epsdot0, 1)) (1 + d5 T*), s* = -p/q,
 T* = (T - Tr)/(Tm - Tr) clamped to [0, 1]; D_init += dep/ef; D = min(10 (D_init - 1), 1) once
-D_init >= 1; neither ever decreases. Particles with D = 1 carry no stress and keep their volume.
+D_init >= 1; neither ever decreases. Particles with D = 1 carry no stress, keep their volume and heat
+no more, from the step in which they fail.
 epsdot0 [1/T] (> 0 needed only if d4 is not 0), Tm > Tr [K] (needed only if d5 is not 0).
 Source: Johnson and Cook 1985; de Vaucorbeil et al. 2020, eqs 2.14 to 2.16.",
     build: Some(|args| Ok(Arc::new(read(args)?))),
@@ -84,7 +85,7 @@ impl Damage for DamageJohnsonCook {
         self.d[4] != 0.0
     }
 
-    fn grow(&self, chunk: &mut Chunk<'_>, stages: &Stages) {
+    fn grow(&self, chunk: &mut Chunk<'_>, stages: &mut Stages) {
         let dt = chunk.dt;
         match (self.d[3] != 0.0, self.d[4] != 0.0) {
             (false, false) => dispatch(Grow::<false, false> { law: self, dt, chunk, stages }),
@@ -99,7 +100,7 @@ struct Grow<'a, 'b, const RATE: bool, const HEAT: bool> {
     law: &'a DamageJohnsonCook,
     dt: f64,
     chunk: &'a mut Chunk<'b>,
-    stages: &'a Stages,
+    stages: &'a mut Stages,
 }
 
 impl<const RATE: bool, const HEAT: bool> Sweep for Grow<'_, '_, RATE, HEAT> {
@@ -121,9 +122,11 @@ impl<const RATE: bool, const HEAT: bool> Sweep for Grow<'_, '_, RATE, HEAT> {
             let growth = zero.below(step, step / strain, zero);
             let begun = state.four::<V>(Column::DamageInitiation, group) + growth;
             let damage: V = state.four(Column::Damage, group);
-            let grown = (V::splat(GROWTH) * (begun - one)).smaller(one);
+            let grown = (V::splat(GROWTH) * (begun - one)).smaller(one).larger(damage);
             state.set_four(Column::DamageInitiation, group, begun);
-            state.set_four(Column::Damage, group, grown.larger(damage));
+            state.set_four(Column::Damage, group, grown);
+            // What fails has no stress left that could heat it.
+            grown.below(one, stress[1], zero).store(&mut equivalent[group]);
         }
     }
 }

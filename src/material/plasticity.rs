@@ -424,7 +424,7 @@ fn failure_strains_are_the_published_ones() {
             stages.equivalent[group] = [7.0; 4];
             stages.increment[group] = [0.5; 4];
         }
-        let state = seven_with(Column::Temperature, 298.0, |chunk| law.grow(chunk, &stages));
+        let state = seven_with(Column::Temperature, 298.0, |chunk| law.grow(chunk, &mut stages));
         let found = 0.5 / state.value(Column::DamageInitiation, 6);
         assert!((found / exact - 1.0).abs() < 5e-9, "{found} for {exact}");
         assert_eq!(state.value(Column::Damage, 6), 0.0);
