@@ -7,6 +7,7 @@ mod axisymmetric;
 mod axisymmetric_heat;
 mod axisymmetric_waves;
 mod bar;
+mod cold_spray;
 mod combinations;
 mod contact;
 mod convergence;
