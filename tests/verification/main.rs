@@ -20,6 +20,7 @@ mod inputs;
 mod invariants;
 mod ledger;
 mod locking;
+mod machining;
 mod manufactured;
 mod mirror;
 mod penetration;
