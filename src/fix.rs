@@ -5,6 +5,8 @@ pub mod check_solution;
 pub mod components;
 pub mod contact;
 pub mod cuttingtool;
+pub mod damping_local_nodes;
+pub mod damping_nodes;
 pub mod energy;
 pub mod force_nodes;
 pub mod indent;
@@ -155,8 +157,8 @@ pub const FIXES: &[Style<BuildFix>] = &[
     cuttingtool::STYLE,
     indent::STYLE,
     reserved("indent/minimize_penetration", "", "an indenter without overlap"),
-    reserved("damping_nodes", "c", "viscous damping of nodes"),
-    reserved("damping_local_nodes", "beta", "local damping of nodes"),
+    damping_nodes::STYLE,
+    damping_local_nodes::STYLE,
     reserved("neumann_bc_mech", "", "surface tractions"),
     reserved("convection_particles", "", "heat convection"),
     reserved("heat_flux_particles", "", "heat flux"),

@@ -175,6 +175,20 @@ impl Nodal<'_> {
         if mass > self.mass_cutoff { mass } else { 0.0 }
     }
 
+    /// v of a node before the update \[L/T\] (H2); 0 if it is empty.
+    pub fn velocity(&self, node: usize) -> [f64; 3] {
+        let mass = self.mass(node);
+        let inverse = if mass > 0.0 { 1.0 / mass } else { 0.0 };
+        let [x, y, z, _] = self.nodes[node].motion;
+        [x, y, z].map(|momentum| inverse * momentum)
+    }
+
+    /// f + mb of a node so far \[M L/T^2\] (H2).
+    pub fn force(&self, node: usize) -> [f64; 3] {
+        let [x, y, z, _] = self.nodes[node].change;
+        [x, y, z]
+    }
+
     /// Adds an external force to a node (H2).
     pub fn add_force(&mut self, node: usize, force: [f64; 3]) {
         for (change, force) in self.nodes[node].change.iter_mut().zip(force) {

@@ -12,6 +12,7 @@ mod combinations;
 mod contact;
 mod convergence;
 mod dam;
+mod damping;
 mod fixes;
 mod granular;
 mod gas;
