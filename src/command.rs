@@ -5,6 +5,7 @@
 //! an [`Action`], which only the performance applies.
 
 mod compatibility;
+pub mod contact;
 mod domain;
 mod files;
 mod hook;
@@ -181,6 +182,16 @@ of volume r dr dtheta (dx), inside region and box; (c1, c2) as for the region st
     row("delete_fix", "ID", "removes a fix", hook::delete_fix),
     row("compute", "ID, style, group", "a number about particles", hook::compute),
     row("delete_compute", "ID", "removes a compute", hook::delete_compute),
+    explained(
+        row(
+            "contact",
+            "ID, stick|slip|frictional, s1, s2|all [, mu] [, on_nodes]",
+            "bodies with velocities of their own on the grid stick or slide where they meet",
+            contact::contact,
+        ),
+        contact::MANUAL,
+    ),
+    row("delete_contact", "ID", "removes a contact", contact::delete_contact),
     row("set_dt", "dt|auto", "a constant time step [T], or the adaptive one", run::set_dt),
     row("dt_factor", "f", "the part of the stable time step that is used, 0.9", run::dt_factor),
     row("run", "N", "runs N steps", run::run),
@@ -201,8 +212,6 @@ of volume r dr dtheta (dx), inside region and box; (c1, c2) as for the region st
         "old form: changes the transfer",
         compatibility::method_modify,
     ),
-    reserved("contact", "ID, stick|slip|frictional, s1, s2 [, mu]", "multi-field contact"),
-    reserved("delete_contact", "ID", "removes a contact"),
     reserved("restart", "N, file", "a restart file every N steps"),
     reserved("write_restart", "file", "a restart file now"),
     reserved("read_restart", "file", "goes on from a restart file"),

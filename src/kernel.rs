@@ -9,12 +9,14 @@
 //! | [`grid::divide_and_clear`] and its kin | second mapping, mass | nodal velocity |
 //! | [`points::sweep`] | nodal velocity | F, J, stress; x += dx; mass, momentum, force of the next step |
 //!
+//! Bodies with lattices of their own exchange momentum before and after the update ([`contact`]).
 //! Weights belong to the place of a particle (updated Lagrangian) or to its reference place (total
 //! Lagrangian). Particles are sorted by tile ([`tiles`]); tiles of one colour share no node, so
 //! they run in parallel and every sum has one order for any number of threads.
 
 pub mod chunk;
 pub mod conduction;
+pub mod contact;
 pub mod dilation;
 pub mod filter;
 pub mod gather;
@@ -27,6 +29,7 @@ pub mod scatter;
 pub mod shared;
 pub mod sort;
 pub mod stencil;
+pub mod surfaces;
 pub mod tiles;
 pub mod walls;
 

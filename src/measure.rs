@@ -109,6 +109,13 @@ pub fn value(
             }
             values[*component]
         }
+        Quantity::Contact { id, component } => {
+            let contact = world.contacts.list.iter().find(|contact| contact.name == *id);
+            contact.map_or(0.0, |contact| {
+                let [x, y, z] = contact.force;
+                [x, y, z, contact.heat][*component]
+            })
+        }
         Quantity::Group { function: GroupFunction::Xcm, group, axis } => {
             centre_of_mass(world, group, *axis)
         }

@@ -42,7 +42,7 @@ pub const METHODS: &[Style<bool>] = &[
         usage: "sub, shape [, alpha] [, option ...]",
         summary: "updated Lagrangian: one grid for all bodies, weights from current places",
         manual: "\
-Bodies that meet share nodes, which makes contact without slip. Shapes: linear, quadratic-spline,
+Bodies that meet share nodes, which makes contact without slip; `contact` lets them slide. Shapes: linear, quadratic-spline,
 cubic-spline. Source: Sulsky, Chen, Schreyer 1994.",
         build: Some(false),
     },

@@ -2,6 +2,7 @@
 
 pub mod clock;
 pub mod column;
+pub mod contact;
 pub mod domain;
 pub mod grid;
 pub mod group;

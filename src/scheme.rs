@@ -1,5 +1,6 @@
 //! Schemes: the order of the parts of a step (language.md 7).
 
+mod contact;
 mod ledger;
 pub mod musl;
 pub mod usf;
@@ -8,6 +9,7 @@ pub mod usl;
 use crate::compute::Compute;
 use crate::fault::Fault;
 use crate::fix::Fix;
+use crate::kernel::contact::Velocities;
 use crate::kernel::gather::{self, Gather};
 use crate::kernel::points::{self, Points};
 use crate::kernel::sort::Sorter;
@@ -168,19 +170,22 @@ impl Parts<'_> {
         self.loops.timing.end(Phase::PointsToGrid);
     }
 
-    /// External forces and heat of particles go to the nodes; H2; sums of nodal forces are taken.
+    /// Bodies meet; external forces and heat of particles go to the nodes; H2; sums of nodal forces
+    /// are taken.
     ///
     /// # Errors
     /// The first fault of a fix.
     pub fn nodal_forces(&mut self) -> Result<(), Fault> {
         self.captured.internal(self.world);
         self.note_start();
+        self.find_surfaces();
+        if self.world.grid.keeps.temperature {
+            conduction::collect(&mut self.loops.tiles, self.world);
+        }
+        self.meet(Velocities::Momenta);
         self.world.grid.external.fill([0.0; 4]);
         if self.plan.columns.contains(Column::Bx) && self.hooks.any(&[Stage::InitialIntegrate]) {
             scatter::external_forces(&mut self.loops.tiles, self.world);
-        }
-        if self.world.grid.keeps.temperature {
-            conduction::collect(&mut self.loops.tiles, self.world);
         }
         self.act(Stage::PostParticlesToGrid)?;
         self.captured.external(self.world);
@@ -188,7 +193,7 @@ impl Parts<'_> {
         Ok(())
     }
 
-    /// Lines 7 and 8: v* and T*, then H3.
+    /// Lines 7 and 8: v* and T*, bodies meet, then H3.
     ///
     /// # Errors
     /// The first fault of a fix.
@@ -196,15 +201,20 @@ impl Parts<'_> {
         let tiles = &mut self.loops.tiles;
         grid::update(&mut self.world.grid, tiles.parallel, self.clock.dt);
         self.world.grid.held.clear();
-        if self.world.grid.keeps.temperature {
-            conduction::conduct(&mut self.loops.tiles, self.world, self.clock.dt);
-        }
-        if self.world.has_rigid_nodes() {
+        let rigid = self.world.has_rigid_nodes();
+        if rigid {
             if !self.world.rigid.flagged {
                 rigid::flag(&mut self.loops.tiles, self.world);
             }
-            let dt = self.clock.dt;
-            rigid::set(&self.loops.tiles, self.world, dt, self.transfer.blend(dt));
+            let (axes, dt) = (self.world.domain.dimension, self.clock.dt);
+            rigid::set(&mut self.world.grid, axes, dt, self.transfer.blend(dt));
+        }
+        self.meet(Velocities::Updated);
+        if rigid {
+            rigid::react(&self.loops.tiles, self.world);
+        }
+        if self.world.grid.keeps.temperature {
+            conduction::conduct(&mut self.loops.tiles, self.world, self.clock.dt);
         }
         self.loops.timing.end(Phase::Grid);
         self.act(Stage::PostUpdateGridState)?;
@@ -235,6 +245,7 @@ impl Parts<'_> {
         {
             return Err(watch::too_hot(self.world, &self.clock));
         }
+        self.world.contacts.ready = false;
         let split = self.hooks.any(&[Stage::PostGridToPoint, Stage::PostAdvanceParticles]);
         let numbers = Gather::new(&self.transfer, self.clock.dt, second_mapping && !split);
         let rigid = !self.world.rigid.particles.is_empty();
@@ -326,8 +337,9 @@ impl Parts<'_> {
     /// The first fault of a fix.
     pub fn second_mapping(&mut self) -> Result<(), Fault> {
         let parallel = self.loops.tiles.parallel;
-        let later =
-            self.hooks.any(&[Stage::PostVelocitiesToGrid]) || self.world.method.averaged_dilation;
+        let later = self.hooks.any(&[Stage::PostVelocitiesToGrid])
+            || self.world.method.averaged_dilation
+            || self.has_contact();
         self.loops.carried = self.carries_momentum();
         let grid = &mut self.world.grid;
         match (self.loops.carried, later) {
@@ -338,6 +350,7 @@ impl Parts<'_> {
         if self.world.has_rigid_nodes() {
             rigid::set_mapped(&mut self.world.grid);
         }
+        self.meet_mapped();
         self.loops.timing.end(Phase::Grid);
         self.act(Stage::PostVelocitiesToGrid)?;
         if self.world.method.axisymmetric {
@@ -374,6 +387,7 @@ impl Parts<'_> {
             rigid::flag(&mut self.loops.tiles, self.world);
             rigid::set_first(&mut self.world.grid);
         }
+        self.meet(Velocities::First);
         self.loops.timing.end(Phase::Grid);
         self.act(Stage::PostUpdateGridState)?;
         self.hold_axis();

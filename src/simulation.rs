@@ -9,6 +9,7 @@ use crate::compute::Compute;
 use crate::fix::Fix;
 use crate::measure::{self, Captured};
 use crate::model::clock::Clock;
+use crate::model::contact::Contact;
 use crate::output::Outputs;
 use crate::plan::Plan;
 use crate::scheme::{Loops, Scheme};
@@ -84,6 +85,18 @@ impl Simulation {
     pub fn delete_fix(&mut self, id: &str) {
         self.fixes.retain(|(name, _)| name != id);
         self.started.retain(|name| name != id);
+    }
+
+    /// Adds a contact: its solids get velocities of their own.
+    pub fn add_contact(&mut self, contact: Contact) {
+        self.world.contacts.list.push(contact);
+        self.world.grid.couples.clear();
+    }
+
+    /// Removes a contact.
+    pub fn delete_contact(&mut self, id: &str) {
+        self.world.contacts.list.retain(|contact| contact.name != id);
+        self.world.grid.couples.clear();
     }
 
     /// Adds a compute.

@@ -4,6 +4,7 @@ use crate::material::{Description, LANES, Law, State, StressRate};
 use crate::math::tensor::Tensor;
 use crate::method::Method;
 use crate::model::column::{Column, ColumnSet};
+use crate::model::contact::Contacts;
 use crate::model::domain::{Boundary, Domain};
 use crate::model::grid::Grid;
 use crate::model::group::Groups;
@@ -35,6 +36,8 @@ pub struct Solid {
     pub spreading: Spreading,
     /// It keeps its shape and its velocity.
     pub rigid: bool,
+    /// Number of its lattice.
+    pub lattice: usize,
 }
 
 /// Diffusivities \[L^2/T\] of the reference density.
@@ -78,6 +81,8 @@ pub struct World {
     pub thermal_blend: f64,
     /// The particles of rigid solids.
     pub rigid: Rigid,
+    /// Multi-field contacts.
+    pub contacts: Contacts,
 }
 
 thread_local! {
@@ -127,13 +132,29 @@ impl World {
         !self.method.total && self.solids.iter().any(|solid| solid.rigid)
     }
 
-    /// The lattices that the method needs: one for all, or one for each solid.
+    /// The lattices that the method needs: one for each solid, or one for all but those that a
+    /// contact names.
     pub fn make_lattices(&self) -> Vec<Lattice> {
         let nodes_per_cell = self.method.shape.nodes_per_cell();
         if self.method.total {
-            self.solids.iter().map(|solid| Lattice::new(solid.cells, nodes_per_cell)).collect()
-        } else {
-            vec![Lattice::new(self.domain, nodes_per_cell)]
+            return self.solids.iter().map(|s| Lattice::new(s.cells, nodes_per_cell)).collect();
+        }
+        let fields = self.solids.iter().map(|solid| solid.lattice + 1).max().unwrap_or(1);
+        vec![Lattice::new(self.domain, nodes_per_cell); fields]
+    }
+
+    /// Gives each solid its lattice, and groups of nodes of single solids theirs.
+    pub fn assign_lattices(&mut self) {
+        let fields: Vec<usize> = match self.method.total {
+            true => (0..self.solids.len()).collect(),
+            false => self.contacts.fields(self.solids.len()),
+        };
+        for (solid, lattice) in self.solids.iter_mut().zip(&fields) {
+            solid.lattice = *lattice;
+        }
+        self.groups.bind(&fields);
+        if !self.method.total {
+            self.contacts.pair_up(&fields);
         }
     }
 

@@ -2,10 +2,14 @@
 
 use karamelo::compute::energy_ledger::EnergyLedger;
 use karamelo::material::linear::Linear;
-use karamelo::material::{Elastic, Thermal};
+use karamelo::material::rigid::Rigid;
+use karamelo::material::{Elastic, Law, Thermal};
 use karamelo::method::Method;
+use karamelo::model::contact::{Contact, Rule};
 use karamelo::model::domain::Domain;
 use karamelo::output::Outputs;
+use karamelo::region::Bounds;
+use karamelo::region::block::Block;
 use karamelo::region::sphere::Sphere;
 use karamelo::scheme::{Scheme, musl::Musl, usf::Usf, usl::Usl};
 use karamelo::shape::ShapeKind;
@@ -106,5 +110,51 @@ fn longer_runs_allocate_no_more_than_shorter_ones() {
             println!("{shape:?} {transfer:?}: {short} allocations in 10 steps, {long} in 100");
             assert!(long <= short, "{shape:?} {transfer:?}: {long} > {short}");
         }
+    }
+}
+
+/// A disk that slides and rolls over a floor, rigid or not, with the ledger.
+fn on_a_floor(rigid: bool, transfer: Transfer, scheme: &'static dyn Scheme) -> Simulation {
+    let mut simulation = disk(false, false, ShapeKind::Quadratic, transfer, scheme);
+    let floor = Block(Bounds { lower: [0.0, 0.1, 0.0], upper: [1.0, 0.2, 0.0] });
+    let law: Arc<dyn Law> = match rigid {
+        true => Arc::new(Rigid { density: 0.0 }),
+        false => Arc::new(Linear(Elastic::new(1000.0, 1e4, 0.3))),
+    };
+    simulation.add_solid("floor", "other", law, &floor, 2);
+    let particles = &mut simulation.world.particles;
+    for (v, solid) in particles.velocity.iter_mut().zip(&particles.solid) {
+        if *solid == 0 {
+            v[1] = -0.02;
+        }
+    }
+    simulation.add_contact(Contact {
+        name: "touch".to_string(),
+        rule: Rule::Frictional(0.3),
+        solids: Some([0, 1]),
+        touching: true,
+        force: [0.0; 3],
+        heat: 0.0,
+    });
+    simulation.add_compute("W", Box::new(EnergyLedger));
+    simulation
+}
+
+#[test]
+fn contact_allocates_no_more_in_longer_runs() {
+    let ways: [(Transfer, &'static dyn Scheme); 3] = [
+        (Transfer::new(TransferKind::Flip, 0.99), &Musl),
+        (Transfer::new(TransferKind::Apic, 0.0), &Usl),
+        (Transfer::new(TransferKind::Xpic(2), 0.0), &Usf),
+    ];
+    for ((transfer, scheme), rigid) in ways.into_iter().flat_map(|way| [(way, false), (way, true)])
+    {
+        let mut simulation = on_a_floor(rigid, transfer, scheme);
+        allocations(&mut simulation, 100);
+        let short = allocations(&mut simulation, 10);
+        let long = allocations(&mut simulation, 100);
+        println!("{transfer:?}, rigid {rigid}: {short} allocations in 10 steps, {long} in 100");
+        assert!(!simulation.world.grid.couples.is_empty());
+        assert!(long <= short, "{transfer:?}, rigid {rigid}: {long} > {short}");
     }
 }

@@ -210,6 +210,31 @@ log_modify(custom, step, dt, Ek, Es, {force})\n"
 }
 
 #[test]
+fn threads_do_not_change_a_byte_of_bodies_in_contact() {
+    let soft = "material(soft, neo-hookean, 1000, 1e5, 0.3, 500, 1e4)";
+    let body = "solid(body, region, ball, 2, hard, h)";
+    assert!(SCRIPT.contains(soft) && SCRIPT.contains(body));
+    let updated = METHODS.iter().filter(|method| method.contains("ulmpm"));
+    for (method, base) in updated.flat_map(|m| [(m, soft), (m, "material(soft, rigid, 1000)")]) {
+        let contact = format!("{body}\ncontact(c, frictional, base, body, 0.3)");
+        let text = SCRIPT.replace(METHODS[0], method).replace(soft, base).replace(body, &contact);
+        let text = text.replace(", stand_z", ", stand_z, c_x, c_y, c_z, c_s");
+        let one = outputs_of(&text, "1", "run(45)");
+        for threads in ["2", "3"] {
+            let same = one == outputs_of(&text, threads, "run(45)");
+            assert!(same, "{method}, {base}: differs with {threads} threads");
+        }
+        // They meet: without the contact the last row is another one.
+        let other = outputs_of(
+            &text.replace("frictional, base, body, 0.3", "slip, base, body"),
+            "1",
+            "run(45)",
+        );
+        assert!(one["log.mpm"] != other["log.mpm"], "{method}, {base}");
+    }
+}
+
+#[test]
 fn threads_do_not_change_the_energy_ledger() {
     let runs = "compute(W, energy_ledger, all)
 log_modify(custom, step, W_stored, W_plastic, W_viscous, W_damage, W_heat, W_numerical, W_residual)

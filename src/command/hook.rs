@@ -25,9 +25,11 @@ fn target(args: &mut Args<'_>, scene: &Scene, id: &str) -> Result<Target, Diagno
     })
 }
 
-/// Reads `s1, s2`.
-fn pair(args: &mut Args<'_>, scene: &Scene, id: &str) -> Result<Target, Diagnostic> {
-    let dimension = scene.need_domain(args.command)?.dimension;
+/// Reads `s1, s2`: the numbers of two solids, and where the second stands.
+///
+/// # Errors
+/// A solid that is unknown, or one solid twice.
+pub fn two_solids(args: &mut Args<'_>, scene: &Scene) -> Result<([usize; 2], Name), Diagnostic> {
     let names = [args.word("a solid ID")?, args.word("a second solid ID")?];
     let solids = [scene.solids.find(&names[0])?.0, scene.solids.find(&names[1])?.0];
     let [_, second] = names;
@@ -36,6 +38,12 @@ fn pair(args: &mut Args<'_>, scene: &Scene, id: &str) -> Result<Target, Diagnost
         return Err(Diagnostic::error(Code::Duplicate, second.span, message)
             .label("the same solid again: contact needs two"));
     }
+    Ok((solids, second))
+}
+
+fn pair(args: &mut Args<'_>, scene: &Scene, id: &str) -> Result<Target, Diagnostic> {
+    let dimension = scene.need_domain(args.command)?.dimension;
+    let (solids, second) = two_solids(args, scene)?;
     let (id, kind) = (id.to_string(), GroupKind::Particles);
     let conducts_heat = scene.conducts_heat();
     Ok(Target {
@@ -49,9 +57,19 @@ fn pair(args: &mut Args<'_>, scene: &Scene, id: &str) -> Result<Target, Diagnost
     })
 }
 
+/// A contact of the same ID publishes results of the same names.
+fn refuse_name_of_contact(scene: &Scene, id: &Name) -> Result<(), Diagnostic> {
+    if scene.contacts.position(&id.text).is_none() {
+        return Ok(());
+    }
+    let message = format!("the contact `{}` publishes results of the same names", id.text);
+    Err(Diagnostic::error(Code::Duplicate, id.span, message).label("taken above"))
+}
+
 /// `fix(ID, style, group, ...)`, `fix(ID, contact/..., s1, s2, ...)`
 pub fn fix(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
     let id = args.word("a fix ID")?;
+    refuse_name_of_contact(scene, &id)?;
     let runs = scene.runs;
     Scene::replace(&mut scene.fixes, &id, runs)?;
     for (component, suffix) in ["x", "y", "z", "s"].into_iter().enumerate() {
@@ -117,6 +135,7 @@ pub fn delete_fix(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diag
 /// `compute(ID, style, group)`
 pub fn compute(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
     let id = args.word("a compute ID")?;
+    refuse_name_of_contact(scene, &id)?;
     scene.computes.declare(&id, super::scene::Declared { runs: scene.runs })?;
     let word = args.word("a compute style")?;
     let (row, build) = style::find("compute", COMPUTES, &word)?;

@@ -1,5 +1,6 @@
 //! What the statements read so far have declared.
 
+use super::contact::ContactEntry;
 use super::method::Choice;
 use crate::damage::Damage;
 use crate::eos::Eos;
@@ -160,6 +161,8 @@ pub struct Scene {
     pub solids: Names<SolidEntry>,
     /// Groups; the first is `all`.
     pub groups: Names<GroupEntry>,
+    /// Contacts.
+    pub contacts: Names<ContactEntry>,
     /// Fixes.
     pub fixes: Names<Declared>,
     /// Computes.
@@ -195,6 +198,7 @@ impl Default for Scene {
             materials: Names::new("material"),
             solids: Names::new("solid"),
             groups,
+            contacts: Names::new("contact"),
             fixes: Names::new("fix"),
             computes: Names::new("compute"),
             dumps: Names::new("dump"),

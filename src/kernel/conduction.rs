@@ -14,6 +14,7 @@ use crate::material::{Description, LANES, Thermal};
 use crate::math::v4::{Sweep, Wide, dispatch};
 use crate::math::wide::{Four, cofactors};
 use crate::model::column::{Column, ColumnSet};
+use crate::model::grid::Grid;
 use crate::shape::Shape;
 use crate::world::World;
 use std::marker::PhantomData;
@@ -33,6 +34,7 @@ pub fn collect(tiles: &mut Tiles, world: &mut World) {
         let [heat, _, _, capacity] = &mut grid.temperature[node];
         *heat = if *capacity > 0.0 { *heat / *capacity } else { 0.0 };
     }
+    equalize(grid, 0);
 }
 
 /// T*_I = T_I + dt (sum V q_p . grad N)/C_I with q_p = -kappa sum T_I grad N.
@@ -40,9 +42,32 @@ pub fn conduct(tiles: &mut Tiles, world: &mut World, dt: f64) {
     by_kind!(world.domain.dimension, world.method.shape, conduct_of, tiles, world);
     let grid = &mut world.grid;
     for node in grid.runs.iter().cloned().flatten() {
-        let [temperature, change, _, capacity] = &mut grid.temperature[node];
+        let [_, change, _, capacity] = &mut grid.temperature[node];
         *change = if *capacity > 0.0 { dt * grid.heating[node] / *capacity } else { 0.0 };
+    }
+    equalize(grid, 1);
+    for node in grid.runs.iter().cloned().flatten() {
+        let [temperature, change, ..] = &mut grid.temperature[node];
         *temperature += *change;
+    }
+}
+
+/// A gap is open from this part of a cell on.
+const OPEN: f64 = 0.05;
+
+/// Bodies with lattices of their own conduct where they share nodes: the means weighted with C, of
+/// T_I (entry 0) or T*_I - T_I (entry 1). Heat is kept; none passes an open gap.
+fn equalize(grid: &mut Grid, entry: usize) {
+    let Grid { couples, temperature, lattices, .. } = grid;
+    let Some(spacing) = lattices.first().map(|lattice| lattice.spacing) else { return };
+    for couple in couples.iter().filter(|couple| couple.gap < OPEN * spacing) {
+        let nodes = couple.nodes.map(|node| node as usize);
+        let [a, b] = nodes.map(|node| temperature[node]);
+        let capacity = a[3] + b[3];
+        if a[3] > 0.0 && b[3] > 0.0 {
+            let mean = (a[3] * a[entry] + b[3] * b[entry]) / capacity;
+            nodes.iter().for_each(|node| temperature[*node][entry] = mean);
+        }
     }
 }
 

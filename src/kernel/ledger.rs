@@ -5,8 +5,9 @@ use crate::material::state::{DEFORMATION, STRESS, SYMMETRIC};
 use crate::material::{Chunk, Description, Lane, Law, NOTHING};
 use crate::math::tensor::Tensor;
 use crate::model::column::Column;
+use crate::model::contact::{Pair, Rule};
 use crate::model::grid::Grid;
-use crate::model::ledger::{Ledger, Share};
+use crate::model::ledger::{Ledger, Notes, Share};
 
 /// Takes momenta and internal forces: after P2G, before anything else acts on the nodes.
 pub fn note_internal(ledger: &mut Ledger, grid: &Grid) {
@@ -27,6 +28,19 @@ pub fn note_external(ledger: &mut Ledger, grid: &Grid) {
     }
 }
 
+/// Takes the forces J/dt of bodies in contact, after they have met.
+pub fn note_contact(ledger: &mut Ledger, grid: &mut Grid, dt: f64) {
+    for couple in &mut grid.couples {
+        for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
+            let notes = &mut ledger.nodes[couple.nodes[side] as usize];
+            couple.internal[side] = notes.internal;
+            for (force, impulse) in notes.contact.iter_mut().zip(couple.impulse) {
+                *force += sign * impulse / dt;
+            }
+        }
+    }
+}
+
 /// Takes the changes of the velocities, after the update and the prescribed velocities. Where a
 /// change is not that of the forces, velocities are prescribed.
 pub fn note_changes(ledger: &mut Ledger, grid: &Grid, dt: f64) {
@@ -36,6 +50,7 @@ pub fn note_changes(ledger: &mut Ledger, grid: &Grid, dt: f64) {
         for axis in 0..3 {
             let (v, change) = (node.motion[axis], node.change[axis]);
             let force = notes.internal[axis] + notes.external[axis] + notes.damping[axis];
+            let force = force + notes.contact[axis];
             let free = dt * inverse * force;
             // The sum of the parts may differ from the force in its last digits.
             let unlike = (change - free).abs() > SAME * (change.abs() + free.abs() + v.abs());
@@ -63,24 +78,95 @@ pub fn book_forces(ledger: &mut Ledger, grid: &Grid, dt: f64, updated: bool) -> 
         let inverse = inverse_mass(&grid.nodes[node], grid.mass_cutoff);
         let [.., mass] = grid.nodes[node].motion;
         for axis in 0..3 {
-            let mean = match (notes.prescribed[axis], updated) {
-                (Some(mean), _) => mean,
-                (None, true) => inverse * notes.momentum[axis] + 0.5 * notes.change[axis],
-                (None, false) => 0.5 * inverse * (notes.momentum[axis] + mapped[axis]),
-            };
+            let mean = mean(notes, mapped, inverse, axis, updated);
             let internal = dt * notes.internal[axis] * mean;
             let external = dt * notes.external[axis] * mean;
             let damping = dt * notes.damping[axis] * mean;
+            let contact = dt * notes.contact[axis] * mean;
             let total = mass * notes.change[axis] * mean;
             ledger.sums.external += external;
             ledger.sums.damping -= damping;
             if notes.prescribed[axis].is_some() {
-                ledger.sums.boundary += total - internal - external - damping;
+                ledger.sums.boundary += total - internal - external - damping - contact;
             }
             all += total;
         }
     }
     all
+}
+
+/// Power of the internal forces of the step with the velocities of the second mapping, at the nodes
+/// where bodies meet; places of nodes may have changed since the forces were noted.
+pub fn contact_power(grid: &Grid) -> f64 {
+    let mut power = 0.0;
+    for (number, couple) in grid.couples.iter().enumerate() {
+        for (node, force) in couple.nodes.into_iter().zip(couple.internal) {
+            // A node of several couples counts once.
+            if grid.coupled[node as usize] as usize == number + 1 {
+                let v = &grid.mapped[node as usize];
+                power += force[0] * v[0] + force[1] * v[1] + force[2] * v[2];
+            }
+        }
+    }
+    power
+}
+
+/// Power of the internal forces with the changes J/m of the velocities where bodies have met.
+pub fn power_of_impulses(ledger: &Ledger, grid: &Grid) -> f64 {
+    let mut power = 0.0;
+    for couple in &grid.couples {
+        for (node, sign) in couple.nodes.into_iter().zip([-1.0, 1.0]) {
+            let inverse = inverse_mass(&grid.nodes[node as usize], grid.mass_cutoff);
+            let force = &ledger.nodes[node as usize].internal;
+            let along: f64 = force.iter().zip(couple.impulse).map(|(f, j)| f * j).sum();
+            power += sign * inverse * along;
+        }
+    }
+    power
+}
+
+/// The w of [`book_forces`].
+fn mean(notes: &Notes, mapped: &[f64; 4], inverse: f64, axis: usize, updated: bool) -> f64 {
+    match (notes.prescribed[axis], updated) {
+        (Some(mean), _) => mean,
+        (None, true) => inverse * notes.momentum[axis] + 0.5 * notes.change[axis],
+        (None, false) => 0.5 * inverse * (notes.momentum[axis] + mapped[axis]),
+    }
+}
+
+/// Books the work J.(w2 - w1) of bodies in contact, w as in [`book_forces`]: that of sliding with
+/// friction as friction, the rest as lost by the grid. What a rigid body does is work from outside.
+pub fn book_contact(ledger: &mut Ledger, grid: &Grid, pairs: &[Pair], updated: bool) {
+    for couple in &grid.couples {
+        let bodies = couple.nodes.map(|node| {
+            let node = node as usize;
+            let rigid = grid.rigid.get(node).filter(|rigid| rigid[3] > 0.0);
+            let inverse = inverse_mass(&grid.nodes[node], grid.mass_cutoff);
+            let (notes, mapped) = (&ledger.nodes[node], &grid.mapped[node]);
+            let w = |axis| match rigid {
+                Some(velocity) => velocity[axis],
+                None => mean(notes, mapped, inverse, axis, updated),
+            };
+            ([w(0), w(1), w(2)], rigid.is_some())
+        });
+        let [(first, first_rigid), (second, second_rigid)] = bodies;
+        let (mut work, mut pushed, mut normal) = (0.0, 0.0, [0.0; 2]);
+        for axis in 0..3 {
+            let (j, n) = (couple.impulse[axis], couple.normal[axis]);
+            work += j * (second[axis] - first[axis]);
+            pushed += if first_rigid { j * first[axis] } else { 0.0 };
+            pushed -= if second_rigid { j * second[axis] } else { 0.0 };
+            normal[0] += j * n;
+            normal[1] += (second[axis] - first[axis]) * n;
+        }
+        let sliding = match pairs[couple.pair as usize].rule {
+            Rule::Frictional(_) => work - normal[0] * normal[1],
+            _ => 0.0,
+        };
+        ledger.sums.boundary += pushed;
+        ledger.sums.friction -= sliding;
+        ledger.sums.numerical -= work - sliding;
+    }
 }
 
 /// Kinematics and law of a chunk, with a note of what each particle does; `velocity`: the records

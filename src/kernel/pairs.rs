@@ -59,7 +59,7 @@ pub fn radius(size: f64, dimension: usize) -> f64 {
 }
 
 /// What the radius of a particle grows with: its volume V0 J \[L^d\], round an axis its area V/x.
-fn size(world: &World, p: usize) -> f64 {
+pub fn size(world: &World, p: usize) -> f64 {
     let particles = &world.particles;
     let volume =
         particles.velocity[p][3] * particles.column(Column::J).get(p).copied().unwrap_or(1.0);

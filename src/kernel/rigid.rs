@@ -78,9 +78,9 @@ pub fn set_first(grid: &mut Grid) {
 /// of the force of the material, f + mb - (1 - alpha) m (v_r - v)/dt: the forces that move no particle
 /// because v* - v is 0, less what particles take of the new velocity. So the momentum they gain is
 /// the impulse of the body, whatever their own velocities differ from v_r by.
-pub fn set(tiles: &Tiles, world: &mut World, dt: f64, alpha: f64) {
-    let axes = world.domain.dimension;
-    each_flagged(&mut world.grid, |grid, node| {
+/// The shares are handed out by [`react`].
+pub fn set(grid: &mut Grid, axes: usize, dt: f64, alpha: f64) {
+    each_flagged(grid, |grid, node| {
         let [x, y, z, weight] = grid.rigid[node];
         let (set, free) = ([x, y, z], &mut grid.nodes[node]);
         let share = free.motion[3] / (dt * weight);
@@ -95,6 +95,10 @@ pub fn set(tiles: &Tiles, world: &mut World, dt: f64, alpha: f64) {
             grid.held.extend((0..axes).map(|axis| (node, axis)));
         }
     });
+}
+
+/// Each rigid particle gets its share N V/sum N V of the forces on the flagged nodes.
+pub fn react(tiles: &Tiles, world: &mut World) {
     by_kind!(world.domain.dimension, world.method.shape, react_of, &tiles.frames, world);
     each_flagged(&mut world.grid, |grid, node| grid.mapped[node] = [0.0; 4]);
 }
@@ -121,11 +125,12 @@ fn react_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
     frames: &[Frame],
     world: &mut World,
 ) {
-    let World { particles: Particles { position, velocity, .. }, grid, rigid, .. } = world;
-    let Some(frame) = frames.first() else { return };
+    let World { particles, solids, grid, rigid, .. } = world;
+    let Particles { position, velocity, solid, .. } = particles;
     let mapped = &grid.mapped;
     let gather = |(reaction, p): (&mut [f64; 4], &u32)| {
         let p = *p as usize;
+        let frame = &frames[solids[solid[p] as usize].lattice];
         let stencil = frame.stencil::<Plain, D, W, S>(Plain::load(&position[p]));
         let rows = stencil.of(mapped);
         *reaction = [0.0; 4];

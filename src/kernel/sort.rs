@@ -4,12 +4,13 @@
 //! places alone, never on threads, and it stays until some particle could have crossed a cell.
 
 use super::stencil::Frame;
+use super::surfaces::find_couples;
 use super::tiles::{COLOURS, Order, Report, SMALLEST_PARALLEL, Tiles};
 use crate::model::grid::{Grid, Keeps, Node};
 use crate::model::lattice::{Lattice, Window};
 use crate::model::particles::Particles;
 use crate::shape::ShapeKind;
-use crate::world::World;
+use crate::world::{Solid, World};
 use rayon::prelude::*;
 
 /// Memory of the sort, kept from one to the next.
@@ -49,12 +50,13 @@ fn joined([low, high]: Bounds, [l, h]: Bounds) -> Bounds {
 /// Places that the sort goes by: before and after the movement of the step under way.
 struct Places<'a> {
     particles: &'a Particles,
+    solids: &'a [Solid],
     total: bool,
 }
 
 impl Places<'_> {
     fn lattice(&self, p: usize) -> usize {
-        if self.total { self.particles.solid[p] as usize } else { 0 }
+        self.solids[self.particles.solid[p] as usize].lattice
     }
 
     fn before(&self, p: usize) -> [f64; 4] {
@@ -75,19 +77,23 @@ impl Sorter {
     /// total Lagrangian methods) and fits the windows to the old and the new places. Nodal values
     /// of the step under way are kept.
     pub fn sort(&mut self, world: &mut World, tiles: &mut Tiles) {
-        let particles = &mut world.particles;
-        let lattices = &world.grid.lattices;
-        let total = world.method.total;
+        let World { particles, solids, grid, method, .. } = &mut *world;
+        let lattices = &grid.lattices;
+        let (total, shape) = (method.total, method.shape);
         let mut orders = std::mem::take(&mut self.orders);
         orders.clear();
-        orders
-            .extend(lattices.iter().map(|lattice| Order::new(&lattice.cells, world.method.shape)));
-        self.order(&orders, lattices, &Places { particles, total }, tiles);
+        orders.extend(lattices.iter().map(|lattice| Order::new(&lattice.cells, shape)));
+        self.order(&orders, lattices, &Places { particles, solids, total }, tiles);
         self.permute(particles, tiles.parallel);
-        let places = Places { particles, total };
+        let places = Places { particles, solids, total };
         self.find_bounds(&orders, lattices, &places, tiles.parallel);
-        self.fit(&orders, &places, world.method.shape, &mut world.grid);
+        self.fit(&orders, &places, shape, grid);
         self.orders = orders;
+        if world.grid.keeps.contact {
+            find_couples(&mut world.grid, &self.old.couples, &world.contacts.pairs);
+        } else {
+            world.grid.couples.clear();
+        }
         let walls = (!total).then_some(&world.domain);
         tiles.frames.clear();
         tiles.frames.extend(world.grid.lattices.iter().map(|lattice| Frame::new(lattice, walls)));
@@ -256,7 +262,7 @@ fn resize(grid: &mut Grid, count: usize) {
         array.clear();
         array.resize(count, T::default());
     }
-    let Keeps { external, displaced, filtered, rigid, dilation, temperature } = grid.keeps;
+    let Keeps { external, displaced, filtered, rigid, dilation, temperature, contact } = grid.keeps;
     zeros::<Node>(&mut grid.nodes, count);
     zeros(&mut grid.mapped, count);
     zeros(&mut grid.external, if external { count } else { 0 });
@@ -266,6 +272,8 @@ fn resize(grid: &mut Grid, count: usize) {
     zeros(&mut grid.dilation, if dilation { count } else { 0 });
     zeros(&mut grid.temperature, if temperature { count } else { 0 });
     zeros(&mut grid.heating, if temperature { count } else { 0 });
+    zeros(&mut grid.coupled, if contact { count } else { 0 });
+    zeros(&mut grid.outward, if contact { count } else { 0 });
 }
 
 /// column[place] <- column[keys[place].from], through a spare column.

@@ -146,6 +146,39 @@ impl<const D: usize, const W: usize> Stencil<D, W> {
         }
     }
 
+    /// dN/dr along each axis of node `k` of row `j` of plane `i`, in loops where speed does not matter.
+    #[inline(always)]
+    pub fn slopes(&self, i: usize, j: usize, k: usize) -> [f64; 3] {
+        let Weights { value, slope, .. } = &self.axes;
+        match D {
+            1 => [slope[k][0], 0.0, 0.0],
+            2 => [slope[j][0] * value[k][1], value[j][0] * slope[k][1], 0.0],
+            _ => [
+                slope[i][0] * value[j][1] * value[k][2],
+                value[i][0] * slope[j][1] * value[k][2],
+                value[i][0] * value[j][1] * slope[k][2],
+            ],
+        }
+    }
+
+    /// From node `k` of row `j` of plane `i` to the particle, in node spacings.
+    #[inline(always)]
+    pub fn away(&self, i: usize, j: usize, k: usize) -> [f64; 3] {
+        let [x, y, z, _] = self.axes.offset;
+        match D {
+            1 => [x - k as f64, 0.0, 0.0],
+            2 => [x - j as f64, y - k as f64, 0.0],
+            _ => [x - i as f64, y - j as f64, z - k as f64],
+        }
+    }
+
+    /// Place in memory of node `k` of row `j` of plane `i`.
+    #[inline(always)]
+    pub fn place(&self, i: usize, j: usize, k: usize) -> usize {
+        let [plane, row] = if D == 3 { self.stride } else { [0, self.stride[0]] };
+        self.base + i * plane + j * row + k
+    }
+
     /// Distance of the particle from the first node along an axis, in node spacings.
     #[inline(always)]
     pub fn offset(&self, axis: usize) -> f64 {

@@ -1,10 +1,11 @@
 //! The background grid: dense windows of nodes around the bodies.
 //!
-//! Updated Lagrangian methods have one lattice for all bodies, total Lagrangian ones a lattice for
-//! each. Only a window of each lattice is in memory, one behind the other, and only its active runs
+//! Updated Lagrangian methods have one lattice for all bodies but those with a contact, total
+//! Lagrangian ones a lattice for each. Only a window of each lattice is in memory, one behind the other, and only its active runs
 //! (nodes a particle can reach before the next re-fit) are ever touched, so that cost follows the
 //! matter and not the box.
 
+use super::contact::{CANDIDATES, Couple};
 use super::group::{GroupId, Groups, Members};
 use super::lattice::Lattice;
 use std::ops::Range;
@@ -45,6 +46,14 @@ pub struct Grid {
     pub temperature: Vec<[f64; 4]>,
     /// sum V q . grad N \[M L^2/T^3\], what conduction brings to a node; empty likewise.
     pub heating: Vec<f64>,
+    /// Multi-field contact: pairs of nodes at one place, pair by pair of lattices.
+    pub couples: Vec<Couple>,
+    /// The first couple of each node, counted from 1; 0: it has none. Empty without contact.
+    pub coupled: Vec<u32>,
+    /// sum w dN/dr and sum w N of the body around a node in a couple; empty likewise.
+    pub outward: Vec<[f64; 4]>,
+    /// How far the two bodies of each couple reach along and against its possible normals \[L\].
+    pub extents: Vec<[[f64; CANDIDATES]; 2]>,
     /// Optional arrays that the scene needs.
     pub keeps: Keeps,
     /// Runs of active nodes in memory, ascending.
@@ -72,6 +81,8 @@ pub struct Keeps {
     pub dilation: bool,
     /// Temperatures.
     pub temperature: bool,
+    /// Surfaces of bodies in contact.
+    pub contact: bool,
 }
 
 impl Grid {

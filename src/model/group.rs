@@ -28,14 +28,16 @@ pub enum Members {
 pub struct NodePart {
     /// The region, in reference places.
     pub region: Arc<dyn Region>,
-    /// Lattices that count, by number; `None`: all.
-    pub lattices: Option<Vec<usize>>,
+    /// Solids whose nodes count, by number; `None`: all.
+    pub solids: Option<Vec<usize>>,
+    /// The lattices of these solids.
+    pub lattices: Vec<usize>,
 }
 
 impl NodePart {
     /// Does a lattice count?
     pub fn includes(&self, lattice: usize) -> bool {
-        self.lattices.as_ref().is_none_or(|list| list.contains(&lattice))
+        self.solids.is_none() || self.lattices.contains(&lattice)
     }
 }
 
@@ -64,6 +66,19 @@ pub struct Group {
 /// All groups of a simulation; the first is `all`.
 #[derive(Clone)]
 pub struct Groups(pub Vec<Group>);
+
+impl Groups {
+    /// Finds the lattices of the solids that parts of groups are bound to.
+    pub fn bind(&mut self, lattice_of: &[usize]) {
+        for group in &mut self.0 {
+            let Members::Nodes { parts } = &mut group.members else { continue };
+            for NodePart { solids, lattices, .. } in parts {
+                lattices.clear();
+                lattices.extend(solids.iter().flatten().filter_map(|s| lattice_of.get(*s)));
+            }
+        }
+    }
+}
 
 impl Default for Groups {
     fn default() -> Self {

@@ -79,6 +79,8 @@ pub struct Notes {
     pub external: [f64; 3],
     /// Force of damping fixes.
     pub damping: [f64; 3],
+    /// Force of other bodies in contact.
+    pub contact: [f64; 3],
     /// Change of the velocity that the particles will see, v* - v \[L/T\].
     pub change: [f64; 3],
     /// The mean of v and v* where they are prescribed.

@@ -23,7 +23,8 @@ Fields: x y z vx vy vz bx by bz mass mask rigid T ntypex ntypey ntypez: mass and
 particles give them at the end of the step, b the external force of the step, T as the particles
 give it in `thermo-mechanical` runs. Every node stands in
 the file once, with id (i ny + j) nz + k + 1, in total Lagrangian methods solid by solid (type) and
-at its current place; nodes without particles are 0. rigid is 1 on nodes that a rigid body carries
+at its current place, with `contact` body by body (all solids that no contact names together); nodes
+without particles are 0. rigid is 1 on nodes that a rigid body carries
 along; they have its velocity, and the mass of the other bodies.";
 
 const fn row(name: &'static str, summary: &'static str, build: BuildDump) -> Style<BuildDump> {

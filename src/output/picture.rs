@@ -129,7 +129,9 @@ fn draw(snapshot: &Snapshot<'_>, width: u32, height: u32) -> Canvas {
 
 fn crosses(canvas: &mut Canvas, frame: &Frame, world: &World) {
     const ARM: f32 = 2.0;
-    let lattices = &world.grid.lattices;
+    // Lattices of contact lie on one another.
+    let count = if world.method.total { world.grid.lattices.len() } else { 1 };
+    let lattices = &world.grid.lattices[..count.min(world.grid.lattices.len())];
     let counts = lattices.iter().map(|lattice| lattice.nodes[0].saturating_mul(lattice.nodes[1]));
     if counts.fold(0, usize::saturating_add) > MOST_CROSSES {
         return;

@@ -30,6 +30,7 @@ impl Parts<'_> {
     pub fn note_changes(&mut self) {
         let world = &mut *self.world;
         if world.ledger.open {
+            ledger::note_contact(&mut world.ledger, &mut world.grid, self.clock.dt);
             ledger::note_changes(&mut world.ledger, &world.grid, self.clock.dt);
         }
     }
@@ -50,6 +51,7 @@ impl Parts<'_> {
         let world = &mut *self.world;
         let kinetic = kinetic_energy(world, GroupId::ALL);
         let work = ledger::book_forces(&mut world.ledger, &world.grid, self.clock.dt, updated);
+        ledger::book_contact(&mut world.ledger, &world.grid, &world.contacts.pairs, updated);
         let sums = &mut world.ledger.sums;
         sums.numerical += work - (kinetic - sums.kinetic);
         sums.kinetic = kinetic;

@@ -37,6 +37,13 @@ pub enum Quantity {
         /// Index into its suffixes.
         component: usize,
     },
+    /// Result of a contact: 0..=3 for x, y, z, s.
+    Contact {
+        /// The contact.
+        id: String,
+        /// 0..=3 for x, y, z, s.
+        component: usize,
+    },
     /// Group function on an axis.
     Group {
         /// Which.

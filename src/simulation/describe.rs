@@ -5,6 +5,7 @@ use crate::fault::Fault;
 use crate::memory;
 use crate::method::METHODS;
 use crate::model::column::Column;
+use crate::model::contact::Rule;
 use crate::model::domain::{Boundary, Domain};
 use crate::model::grid::Node;
 use crate::model::group::Members;
@@ -154,6 +155,26 @@ impl Simulation {
         }
     }
 
+    /// The contacts of bodies with velocities of their own.
+    fn contacts_in_words(&self) -> String {
+        let world = &self.world;
+        let each = world.contacts.list.iter().map(|contact| {
+            let bodies = match contact.solids {
+                Some([a, b]) => format!("{}, {}", world.solids[a].name, world.solids[b].name),
+                None => "all".to_string(),
+            };
+            let rule = match contact.rule {
+                Rule::Welded | Rule::Stick => "stick".to_string(),
+                Rule::Slip => "slip".to_string(),
+                Rule::Frictional(mu) => format!("frictional {mu}"),
+            };
+            let touching = if contact.touching { "" } else { ", on_nodes" };
+            format!("{} ({rule}: {bodies}{touching})", contact.name)
+        });
+        let each: Vec<String> = each.collect();
+        format!("on: {} in {} fields", each.join(", "), world.grid.lattices.len())
+    }
+
     /// Effects of the scene: on or off, and why.
     fn effects(&self) -> Vec<(&'static str, String)> {
         let plan = self.make_plan();
@@ -234,6 +255,7 @@ impl Simulation {
             (
                 "contact",
                 match self.world.method.total {
+                    _ if !self.world.contacts.is_empty() => self.contacts_in_words(),
                     _ if plan.contact => "on: a contact fix".to_string(),
                     true => "off: bodies have grids of their own and no contact fix".to_string(),
                     false => "the grid's own, where bodies share nodes".to_string(),

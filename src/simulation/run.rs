@@ -163,11 +163,13 @@ impl Simulation {
         }
         self.loops.sorter.sort(&mut self.world, &mut self.loops.tiles);
         self.loops.travelled = 0.0;
+        self.world.contacts.ready = false;
         self.start_fixes()
     }
 
     /// Columns, lattices and nodal arrays as the plan and the method ask for.
     fn fit_world(&mut self) {
+        self.world.assign_lattices();
         let mut lattices = self.world.make_lattices();
         for (lattice, known) in lattices.iter_mut().zip(&self.world.grid.lattices) {
             if (known.cells, known.nodes) == (lattice.cells, lattice.nodes) {
@@ -178,7 +180,7 @@ impl Simulation {
         let of_laws: Vec<ColumnSet> =
             self.world.solids.iter().map(|solid| self.world.columns_of(&*solid.law)).collect();
         let rigid_nodes = self.world.has_rigid_nodes();
-        let World { particles, grid, solids, method, domain, .. } = &mut self.world;
+        let World { particles, grid, solids, method, domain, contacts, .. } = &mut self.world;
         particles.require(self.plan.columns);
         if method.total {
             particles.require_reference();
@@ -205,6 +207,7 @@ impl Simulation {
             rigid: rigid_nodes,
             dilation: method.averaged_dilation,
             temperature: method.conducts_heat && heated,
+            contact: !contacts.pairs.is_empty(),
         };
         let masses = particles.position.iter().map(|position| position[3]);
         grid.mass_cutoff = EMPTY * masses.filter(|m| *m > 0.0).fold(f64::INFINITY, f64::min);

@@ -10,6 +10,7 @@ use crate::measure::Captured;
 use crate::method::Method;
 use crate::model::clock::Clock;
 use crate::model::column::{Column, ColumnSet};
+use crate::model::contact::Contacts;
 use crate::model::domain::{Boundary, Domain};
 use crate::model::grid::Grid;
 use crate::model::group::{Group, GroupId, Groups, Members, NodePart};
@@ -76,6 +77,7 @@ impl Simulation {
             boundary: Boundary::default(),
             thermal_blend: 0.99,
             rigid: Rigid::default(),
+            contacts: Contacts::default(),
         };
         Self {
             world,
@@ -184,7 +186,9 @@ impl Simulation {
             columns,
             spreading: Spreading::default(),
             rigid,
+            lattice: 0,
         });
+        self.world.assign_lattices();
         let number = self.world.solids.len() - 1;
         let count = self.push_particles(number, each);
         self.heat_solid(number, temperature);
@@ -371,18 +375,20 @@ impl Simulation {
         region: Arc<dyn Region>,
         solids: Option<&[usize]>,
     ) -> bool {
-        let lattices = solids.filter(|_| self.world.method.total).map(<[usize]>::to_vec);
-        let part = NodePart { region, lattices };
+        let part = NodePart { region, solids: solids.map(<[usize]>::to_vec), lattices: Vec::new() };
         let group = self.group(name).unwrap_or_else(|| {
             let members = Members::Nodes { parts: Vec::new() };
             self.world.groups.0.push(Group { name: name.to_string(), members });
             GroupId(self.world.groups.0.len() - 1)
         });
+        if let Members::Nodes { parts } = &mut self.world.groups.0[group.0].members {
+            parts.push(part);
+        }
+        self.world.assign_lattices();
         let found = self.world.make_lattices();
-        let Members::Nodes { parts } = &mut self.world.groups.0[group.0].members else {
+        let Members::Nodes { parts } = &self.world.groups.0[group.0].members else {
             return false;
         };
-        parts.push(part);
         let mut pairs =
             parts.iter().flat_map(|part| found.iter().enumerate().map(move |l| (part, l)));
         pairs.any(|(part, (number, lattice))| {

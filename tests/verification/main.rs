@@ -13,6 +13,7 @@ mod contact;
 mod convergence;
 mod dam;
 mod damping;
+mod fields;
 mod fixes;
 mod granular;
 mod gas;
