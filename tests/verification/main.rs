@@ -27,6 +27,7 @@ mod manufactured;
 mod mirror;
 mod penetration;
 mod rigid;
+mod rolling;
 mod scene;
 mod script;
 mod shapes;
