@@ -29,56 +29,60 @@ pub mod scatter;
 pub mod shared;
 pub mod sort;
 pub mod stencil;
+pub mod support;
 pub mod surfaces;
+pub mod tensor;
 pub mod tiles;
 pub mod walls;
 
 /// Runs a generic kernel for the dimension and shape function of the scene:
-/// `by_kind!(d, shape, kernel, args...)` calls `kernel::<2, 4, Cubic>(args...)` and so on.
+/// `by_kind!(d, shape, kernel, args...)` calls `kernel::<2, Tensor<4, Cubic>>(args...)` and so on.
 macro_rules! by_kind {
     ($dimension:expr, $shape:expr, $kernel:ident, $($argument:expr),+) => {{
+        use $crate::kernel::support::Tensor;
         use $crate::shape::{Bernstein, Cubic, Linear, Quadratic, ShapeKind};
         match ($dimension, $shape) {
-            (1, ShapeKind::Linear) => $kernel::<1, 2, Linear>($($argument),+),
-            (2, ShapeKind::Linear) => $kernel::<2, 2, Linear>($($argument),+),
-            (_, ShapeKind::Linear) => $kernel::<3, 2, Linear>($($argument),+),
-            (1, ShapeKind::Quadratic) => $kernel::<1, 3, Quadratic>($($argument),+),
-            (2, ShapeKind::Quadratic) => $kernel::<2, 3, Quadratic>($($argument),+),
-            (_, ShapeKind::Quadratic) => $kernel::<3, 3, Quadratic>($($argument),+),
-            (1, ShapeKind::Cubic) => $kernel::<1, 4, Cubic>($($argument),+),
-            (2, ShapeKind::Cubic) => $kernel::<2, 4, Cubic>($($argument),+),
-            (_, ShapeKind::Cubic) => $kernel::<3, 4, Cubic>($($argument),+),
-            (1, ShapeKind::Bernstein) => $kernel::<1, 3, Bernstein>($($argument),+),
-            (2, ShapeKind::Bernstein) => $kernel::<2, 3, Bernstein>($($argument),+),
-            (_, ShapeKind::Bernstein) => $kernel::<3, 3, Bernstein>($($argument),+),
+            (1, ShapeKind::Linear) => $kernel::<1, Tensor<2, Linear>>($($argument),+),
+            (2, ShapeKind::Linear) => $kernel::<2, Tensor<2, Linear>>($($argument),+),
+            (_, ShapeKind::Linear) => $kernel::<3, Tensor<2, Linear>>($($argument),+),
+            (1, ShapeKind::Quadratic) => $kernel::<1, Tensor<3, Quadratic>>($($argument),+),
+            (2, ShapeKind::Quadratic) => $kernel::<2, Tensor<3, Quadratic>>($($argument),+),
+            (_, ShapeKind::Quadratic) => $kernel::<3, Tensor<3, Quadratic>>($($argument),+),
+            (1, ShapeKind::Cubic) => $kernel::<1, Tensor<4, Cubic>>($($argument),+),
+            (2, ShapeKind::Cubic) => $kernel::<2, Tensor<4, Cubic>>($($argument),+),
+            (_, ShapeKind::Cubic) => $kernel::<3, Tensor<4, Cubic>>($($argument),+),
+            (1, ShapeKind::Bernstein) => $kernel::<1, Tensor<3, Bernstein>>($($argument),+),
+            (2, ShapeKind::Bernstein) => $kernel::<2, Tensor<3, Bernstein>>($($argument),+),
+            (_, ShapeKind::Bernstein) => $kernel::<3, Tensor<3, Bernstein>>($($argument),+),
         }
     }};
 }
 pub(crate) use by_kind;
 
 /// The same for kernels with loops of their own where x is a radius:
-/// `by_space!(axisymmetric, d, shape, kernel, args...)` calls `kernel::<2, 4, true, Cubic>(args...)`
-/// or `kernel::<2, 4, false, Cubic>(args...)`.
+/// `by_space!(axisymmetric, d, shape, kernel, args...)` calls `kernel::<2, true, Tensor<4, Cubic>>(args...)`
+/// or `kernel::<2, false, Tensor<4, Cubic>>(args...)`.
 macro_rules! by_space {
     ($axisymmetric:expr, $dimension:expr, $shape:expr, $kernel:ident, $($argument:expr),+) => {{
+        use $crate::kernel::support::Tensor;
         use $crate::shape::{Bernstein, Cubic, Linear, Quadratic, ShapeKind};
         match ($axisymmetric, $dimension, $shape) {
-            (true, _, ShapeKind::Linear) => $kernel::<2, 2, true, Linear>($($argument),+),
-            (true, _, ShapeKind::Quadratic) => $kernel::<2, 3, true, Quadratic>($($argument),+),
-            (true, _, ShapeKind::Cubic) => $kernel::<2, 4, true, Cubic>($($argument),+),
-            (true, _, ShapeKind::Bernstein) => $kernel::<2, 3, true, Bernstein>($($argument),+),
-            (_, 1, ShapeKind::Linear) => $kernel::<1, 2, false, Linear>($($argument),+),
-            (_, 2, ShapeKind::Linear) => $kernel::<2, 2, false, Linear>($($argument),+),
-            (_, _, ShapeKind::Linear) => $kernel::<3, 2, false, Linear>($($argument),+),
-            (_, 1, ShapeKind::Quadratic) => $kernel::<1, 3, false, Quadratic>($($argument),+),
-            (_, 2, ShapeKind::Quadratic) => $kernel::<2, 3, false, Quadratic>($($argument),+),
-            (_, _, ShapeKind::Quadratic) => $kernel::<3, 3, false, Quadratic>($($argument),+),
-            (_, 1, ShapeKind::Cubic) => $kernel::<1, 4, false, Cubic>($($argument),+),
-            (_, 2, ShapeKind::Cubic) => $kernel::<2, 4, false, Cubic>($($argument),+),
-            (_, _, ShapeKind::Cubic) => $kernel::<3, 4, false, Cubic>($($argument),+),
-            (_, 1, ShapeKind::Bernstein) => $kernel::<1, 3, false, Bernstein>($($argument),+),
-            (_, 2, ShapeKind::Bernstein) => $kernel::<2, 3, false, Bernstein>($($argument),+),
-            (_, _, ShapeKind::Bernstein) => $kernel::<3, 3, false, Bernstein>($($argument),+),
+            (true, _, ShapeKind::Linear) => $kernel::<2, true, Tensor<2, Linear>>($($argument),+),
+            (true, _, ShapeKind::Quadratic) => $kernel::<2, true, Tensor<3, Quadratic>>($($argument),+),
+            (true, _, ShapeKind::Cubic) => $kernel::<2, true, Tensor<4, Cubic>>($($argument),+),
+            (true, _, ShapeKind::Bernstein) => $kernel::<2, true, Tensor<3, Bernstein>>($($argument),+),
+            (_, 1, ShapeKind::Linear) => $kernel::<1, false, Tensor<2, Linear>>($($argument),+),
+            (_, 2, ShapeKind::Linear) => $kernel::<2, false, Tensor<2, Linear>>($($argument),+),
+            (_, _, ShapeKind::Linear) => $kernel::<3, false, Tensor<2, Linear>>($($argument),+),
+            (_, 1, ShapeKind::Quadratic) => $kernel::<1, false, Tensor<3, Quadratic>>($($argument),+),
+            (_, 2, ShapeKind::Quadratic) => $kernel::<2, false, Tensor<3, Quadratic>>($($argument),+),
+            (_, _, ShapeKind::Quadratic) => $kernel::<3, false, Tensor<3, Quadratic>>($($argument),+),
+            (_, 1, ShapeKind::Cubic) => $kernel::<1, false, Tensor<4, Cubic>>($($argument),+),
+            (_, 2, ShapeKind::Cubic) => $kernel::<2, false, Tensor<4, Cubic>>($($argument),+),
+            (_, _, ShapeKind::Cubic) => $kernel::<3, false, Tensor<4, Cubic>>($($argument),+),
+            (_, 1, ShapeKind::Bernstein) => $kernel::<1, false, Tensor<3, Bernstein>>($($argument),+),
+            (_, 2, ShapeKind::Bernstein) => $kernel::<2, false, Tensor<3, Bernstein>>($($argument),+),
+            (_, _, ShapeKind::Bernstein) => $kernel::<3, false, Tensor<3, Bernstein>>($($argument),+),
         }
     }};
 }

@@ -8,14 +8,14 @@ use super::by_kind;
 use super::chunk::{SCRATCH, Scratch};
 use super::points::of_one_solid;
 use super::shared::Shared;
-use super::stencil::{Frame, Stencil};
+use super::stencil::Frame;
+use super::support::{Footprint, Records, Support};
 use super::tiles::Tiles;
 use crate::material::{Description, LANES, Thermal};
 use crate::math::v4::{Sweep, Wide, dispatch};
 use crate::math::wide::{Four, cofactors};
 use crate::model::column::{Column, ColumnSet};
 use crate::model::grid::Grid;
-use crate::shape::Shape;
 use crate::world::World;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -86,23 +86,21 @@ fn each_chunk(world: &World, tile: Range<usize>, mut visit: impl FnMut(Range<usi
     }
 }
 
-fn collect_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
-    tiles: &mut Tiles,
-    world: &mut World,
-) {
+fn collect_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut World) {
     let mut nodes = std::mem::take(&mut world.grid.temperature);
     let shared = Shared::new(&mut nodes);
     let (places, temperature) =
         (world.particles.places(world.method.total), world.particles.column(Column::Temperature));
     tiles.sweep(|tile, _| {
         each_chunk(world, tile.range, |range, thermal| {
-            dispatch(Collect::<'_, D, W, S> {
+            dispatch(Collect::<'_, D, F> {
                 places: &places[range.clone()],
+                records: F::part(&world.particles.domain, range.clone()),
                 temperature: &temperature[range],
                 capacity: thermal.capacity,
                 frame: tile.frame,
                 nodes: shared,
-                shape: PhantomData,
+                footprint: PhantomData,
             });
         });
     });
@@ -110,43 +108,31 @@ fn collect_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
 }
 
 /// (sum N m cp T, 0, 0, sum N m cp) of a chunk.
-struct Collect<'a, const D: usize, const W: usize, S> {
+struct Collect<'a, const D: usize, F> {
     places: &'a [[f64; 4]],
+    records: Records<'a>,
     temperature: &'a [f64],
     capacity: f64,
     frame: &'a Frame,
     nodes: Shared<'a, [f64; 4]>,
-    shape: PhantomData<S>,
+    footprint: PhantomData<F>,
 }
 
-impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Collect<'_, D, W, S> {
+impl<const D: usize, F: Footprint<D>> Sweep for Collect<'_, D, F> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: Wide>(self) {
-        for (place, temperature) in self.places.iter().zip(self.temperature) {
-            let stencil = self.frame.stencil::<V, D, W, S>(V::load(place));
+        for (p, (place, temperature)) in self.places.iter().zip(self.temperature).enumerate() {
+            let support = F::at::<V>(self.frame, place, &self.records, p);
             let capacity = place[3] * self.capacity;
             let heat = V::load(&[capacity * temperature, 0.0, 0.0, capacity]);
-            // SAFETY: tiles of one colour share no node (see `tiles`).
-            let mut rows = unsafe { stencil.of_shared(&self.nodes) };
-            for i in 0..Stencil::<D, W>::PLANES {
-                for j in 0..Stencil::<D, W>::ROWS {
-                    let nodes = rows.row(i, j);
-                    for k in 0..W {
-                        let weight = V::splat(stencil.weight(i, j, k));
-                        weight.mul_add(heat, V::load(&nodes[k])).store(&mut nodes[k]);
-                    }
-                }
-            }
+            support.add(heat, self.nodes);
         }
     }
 }
 
-fn conduct_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
-    tiles: &mut Tiles,
-    world: &mut World,
-) {
+fn conduct_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut World) {
     let mut heating = std::mem::take(&mut world.grid.heating);
     let shared = Shared::new(&mut heating);
     let places = world.particles.places(world.method.total);
@@ -161,8 +147,9 @@ fn conduct_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
         SCRATCH.with_borrow_mut(|scratch| {
             each_chunk(world, tile.range, |range, thermal| {
                 scratch.load(&world.particles, D, columns, range.clone());
-                dispatch(Conduct::<'_, D, W, S> {
+                dispatch(Conduct::<'_, D, F> {
                     places: &places[range.clone()],
+                    records: F::part(&world.particles.domain, range.clone()),
                     velocity: &world.particles.velocity[range],
                     conductivity: thermal.conductivity,
                     total,
@@ -170,7 +157,7 @@ fn conduct_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
                     frame: tile.frame,
                     nodes: &world.grid.temperature,
                     heating: shared,
-                    shape: PhantomData,
+                    footprint: PhantomData,
                 });
             });
         });
@@ -179,8 +166,9 @@ fn conduct_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
 }
 
 /// heating += V q . grad N of a chunk.
-struct Conduct<'a, const D: usize, const W: usize, S> {
+struct Conduct<'a, const D: usize, F> {
     places: &'a [[f64; 4]],
+    records: Records<'a>,
     velocity: &'a [[f64; 4]],
     conductivity: f64,
     total: bool,
@@ -188,18 +176,18 @@ struct Conduct<'a, const D: usize, const W: usize, S> {
     frame: &'a Frame,
     nodes: &'a [[f64; 4]],
     heating: Shared<'a, f64>,
-    shape: PhantomData<S>,
+    footprint: PhantomData<F>,
 }
 
-impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Conduct<'_, D, W, S> {
+impl<const D: usize, F: Footprint<D>> Sweep for Conduct<'_, D, F> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: Wide>(mut self) {
         let len = self.places.len().min(LANES);
         for p in 0..len {
-            let stencil = self.frame.stencil::<V, D, W, S>(V::load(&self.places[p]));
-            let columns = stencil.gradient::<V>(self.nodes);
+            let support = F::at::<V>(self.frame, &self.places[p], &self.records, p);
+            let (columns, _) = support.gradient_and_value::<V>(self.nodes);
             for j in 0..D {
                 self.scratch.records[0][p][j] = columns[j].array()[0];
             }
@@ -209,17 +197,15 @@ impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Conduct<'_, D, W, S>
         }
         let factor = -self.conductivity * self.frame.inverse_spacing.powi(2);
         for p in 0..len {
-            let stencil = self.frame.stencil::<V, D, W, S>(V::load(&self.places[p]));
+            let support = F::at::<V>(self.frame, &self.places[p], &self.records, p);
             let volume = self.scratch.state.value(Column::J, p) * self.velocity[p][3];
             let flux = self.scratch.records[0][p].map(|slope| factor * volume * slope);
-            // SAFETY: tiles of one colour share no node (see `tiles`).
-            let rows = unsafe { stencil.of_shared(&self.heating) };
-            stencil.add_divergence(flux, rows);
+            support.add_divergence(flux, self.heating);
         }
     }
 }
 
-impl<const D: usize, const W: usize, S: Shape<W>> Conduct<'_, D, W, S> {
+impl<const D: usize, F: Footprint<D>> Conduct<'_, D, F> {
     /// F^-1 F^-T grad0 T in place of grad0 T: q . grad N = -kappa (F^-T grad0 T) . (F^-T grad0 N).
     #[inline(always)]
     fn pull_back<V: Wide>(&mut self) {
@@ -252,25 +238,23 @@ impl<const D: usize, const W: usize, S: Shape<W>> Conduct<'_, D, W, S> {
     }
 }
 
-fn gather_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
-    tiles: &mut Tiles,
-    world: &mut World,
-) -> bool {
+fn gather_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut World) -> bool {
     let column = Column::Temperature as usize;
     let mut temperature = std::mem::take(&mut world.particles.columns[column]);
     let shared = Shared::new(&mut temperature);
     let places = world.particles.places(world.method.total);
     let report = tiles.sweep(|tile, report| {
         each_chunk(world, tile.range, |range, _| {
-            dispatch(Gather::<'_, D, W, S> {
+            dispatch(Gather::<'_, D, F> {
                 places: &places[range.clone()],
+                records: F::part(&world.particles.domain, range.clone()),
                 // SAFETY: the ranges of the tiles do not overlap: each particle has one writer.
                 temperature: unsafe { shared.part(range) },
                 blend: world.thermal_blend,
                 frame: tile.frame,
                 nodes: &world.grid.temperature,
                 watch: &mut report.watch,
-                shape: PhantomData,
+                footprint: PhantomData,
             });
         });
     });
@@ -279,35 +263,25 @@ fn gather_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
 }
 
 /// New temperatures of a chunk.
-struct Gather<'a, const D: usize, const W: usize, S> {
+struct Gather<'a, const D: usize, F> {
     places: &'a [[f64; 4]],
+    records: Records<'a>,
     temperature: &'a mut [f64],
     blend: f64,
     frame: &'a Frame,
     nodes: &'a [[f64; 4]],
     watch: &'a mut f64,
-    shape: PhantomData<S>,
+    footprint: PhantomData<F>,
 }
 
-impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Gather<'_, D, W, S> {
+impl<const D: usize, F: Footprint<D>> Sweep for Gather<'_, D, F> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: Wide>(self) {
-        for (place, temperature) in self.places.iter().zip(self.temperature) {
-            let stencil = self.frame.stencil::<V, D, W, S>(V::load(place));
-            let rows = stencil.of(self.nodes);
-            let mut sum = V::splat(0.0);
-            for i in 0..Stencil::<D, W>::PLANES {
-                for j in 0..Stencil::<D, W>::ROWS {
-                    let nodes = rows.row(i, j);
-                    for k in 0..W {
-                        let weight = V::splat(stencil.weight(i, j, k));
-                        sum = weight.mul_add(V::load(&nodes[k]), sum);
-                    }
-                }
-            }
-            let [updated, change, ..] = sum.array();
+        for (p, (place, temperature)) in self.places.iter().zip(self.temperature).enumerate() {
+            let support = F::at::<V>(self.frame, place, &self.records, p);
+            let [updated, change, ..] = support.sum::<V>(self.nodes).array();
             *temperature = self.blend * (*temperature + change) + (1.0 - self.blend) * updated;
             *self.watch += *temperature;
         }

@@ -4,14 +4,14 @@ use super::by_space;
 use super::chunk::{SCRATCH, Scratch};
 use super::points::of_one_solid;
 use super::shared::Shared;
-use super::stencil::{Frame, Stencil};
+use super::stencil::Frame;
+use super::support::{Footprint, Records, Support};
 use super::tiles::Tiles;
 use crate::material::state::load_tensor;
 use crate::material::{Description, LANES};
 use crate::math::v4::{Sweep, Wide, dispatch};
 use crate::math::wide::{Four, cofactors, in_space};
 use crate::model::column::ColumnSet;
-use crate::shape::Shape;
 use crate::world::World;
 use std::marker::PhantomData;
 
@@ -21,7 +21,7 @@ pub fn sweep(tiles: &mut Tiles, world: &mut World) {
     by_space!(method.axisymmetric, dimension, method.shape, sweep_of, tiles, world);
 }
 
-fn sweep_of<const D: usize, const W: usize, const ROUND: bool, S: Shape<W> + Sync>(
+fn sweep_of<const D: usize, const ROUND: bool, F: Footprint<D>>(
     tiles: &mut Tiles,
     world: &mut World,
 ) {
@@ -41,16 +41,18 @@ fn sweep_of<const D: usize, const W: usize, const ROUND: bool, S: Shape<W> + Syn
                     continue;
                 }
                 scratch.load(particles, dimension, deformation, range.clone());
+                let records = F::part(&particles.domain, range.clone());
                 let places = &places[range];
-                let (frame, shape) = (tile.frame, PhantomData);
-                dispatch(Part::<'_, D, W, ROUND, S> {
+                let (frame, footprint) = (tile.frame, PhantomData);
+                dispatch(Part::<'_, D, ROUND, F> {
                     places,
+                    records,
                     scratch,
                     frame,
                     mapped,
                     dilation,
                     description,
-                    shape,
+                    footprint,
                 });
             }
         });
@@ -58,28 +60,27 @@ fn sweep_of<const D: usize, const W: usize, const ROUND: bool, S: Shape<W> + Syn
 }
 
 /// One chunk.
-struct Part<'a, const D: usize, const W: usize, const ROUND: bool, S> {
+struct Part<'a, const D: usize, const ROUND: bool, F> {
     places: &'a [[f64; 4]],
+    records: Records<'a>,
     scratch: &'a mut Scratch,
     frame: &'a Frame,
     mapped: &'a [[f64; 4]],
     dilation: Shared<'a, f64>,
     description: Description,
-    shape: PhantomData<S>,
+    footprint: PhantomData<F>,
 }
 
-impl<const D: usize, const W: usize, const ROUND: bool, S: Shape<W>> Sweep
-    for Part<'_, D, W, ROUND, S>
-{
+impl<const D: usize, const ROUND: bool, F: Footprint<D>> Sweep for Part<'_, D, ROUND, F> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: Wide>(self) {
-        let Self { places, scratch, frame, mapped, dilation, description, .. } = self;
+        let Self { places, records, scratch, frame, mapped, dilation, description, .. } = self;
         let len = places.len().min(LANES);
         for p in 0..len {
-            let stencil = frame.stencil::<V, D, W, S>(V::load(&places[p]));
-            let (columns, value) = stencil.gradient_and_value::<V>(mapped);
+            let support = F::at::<V>(frame, &places[p], &records, p);
+            let (columns, value) = support.gradient_and_value::<V>(mapped);
             for j in 0..D {
                 columns[j].store(&mut scratch.records[j][p]);
             }
@@ -100,18 +101,9 @@ impl<const D: usize, const W: usize, const ROUND: bool, S: Shape<W>> Sweep
             trace.store(&mut scratch.numbers[group]);
         }
         for p in 0..len {
-            let stencil = frame.stencil::<V, D, W, S>(V::load(&places[p]));
+            let support = F::at::<V>(frame, &places[p], &records, p);
             let amount = places[p][3] * scratch.numbers[p / 4][p % 4];
-            // SAFETY: tiles of one colour share no node (see `tiles`).
-            let mut rows = unsafe { stencil.of_shared(&dilation) };
-            for i in 0..Stencil::<D, W>::PLANES {
-                for j in 0..Stencil::<D, W>::ROWS {
-                    let nodes = rows.row(i, j);
-                    for k in 0..W {
-                        nodes[k] += stencil.weight(i, j, k) * amount;
-                    }
-                }
-            }
+            support.add_number(amount, dilation);
         }
     }
 }

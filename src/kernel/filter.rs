@@ -9,11 +9,10 @@
 use super::by_kind;
 use super::grid::{for_each_run, inverse_mass};
 use super::shared::Shared;
-use super::stencil::rows_of;
+use super::support::{Footprint, Records, Support};
 use super::tiles::Tiles;
 use crate::math::v4::{Sweep, Wide, dispatch};
 use crate::model::grid::{Grid, Node};
-use crate::shape::Shape;
 use crate::world::World;
 use std::marker::PhantomData;
 
@@ -54,7 +53,7 @@ fn project(tiles: &mut Tiles, world: &World, spare: &mut [[f64; 4]]) {
     by_kind!(world.domain.dimension, world.method.shape, project_of, tiles, world, spare);
 }
 
-fn project_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
+fn project_of<const D: usize, F: Footprint<D>>(
     tiles: &mut Tiles,
     world: &World,
     spare: &mut [[f64; 4]],
@@ -63,48 +62,35 @@ fn project_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
     let places = particles.places(method.total);
     let spare = Shared::new(spare);
     tiles.sweep(|tile, _| {
-        dispatch(Part::<'_, D, W, S> {
+        dispatch(Part::<'_, D, F> {
+            records: F::part(&particles.domain, tile.range.clone()),
             places: &places[tile.range],
             from: &grid.mapped,
             to: spare,
             frame: tile.frame,
-            shape: PhantomData,
+            footprint: PhantomData,
         });
     });
 }
 
-struct Part<'a, const D: usize, const W: usize, S> {
+struct Part<'a, const D: usize, F> {
     places: &'a [[f64; 4]],
+    records: Records<'a>,
     from: &'a [[f64; 4]],
     to: Shared<'a, [f64; 4]>,
     frame: &'a super::stencil::Frame,
-    shape: PhantomData<S>,
+    footprint: PhantomData<F>,
 }
 
-impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
+impl<const D: usize, F: Footprint<D>> Sweep for Part<'_, D, F> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: Wide>(self) {
-        for place in self.places {
-            let stencil = self.frame.stencil::<V, D, W, S>(V::load(place));
-            let mut velocity = V::splat(0.0);
-            let rows = stencil.of(self.from);
-            for (i, j) in rows_of::<D, W>() {
-                for (k, node) in rows.row(i, j).iter().enumerate() {
-                    let weight = V::splat(stencil.weight(i, j, k));
-                    velocity = weight.mul_add(V::load(node), velocity);
-                }
-            }
-            let momentum = V::splat(place[3]) * velocity;
-            // SAFETY: tiles of one colour share no node (see `tiles`).
-            let mut rows = unsafe { stencil.of_shared(&self.to) };
-            for (i, j) in rows_of::<D, W>() {
-                for (k, node) in rows.row(i, j).iter_mut().enumerate() {
-                    let weight = V::splat(stencil.weight(i, j, k));
-                    weight.mul_add(momentum, V::load(node)).store(node);
-                }
-            }
+        for (p, place) in self.places.iter().enumerate() {
+            let support = F::at::<V>(self.frame, place, &self.records, p);
+            let momentum = V::splat(place[3]) * support.sum::<V>(self.from);
+            support.add(momentum, self.to);
         }
     }
 }

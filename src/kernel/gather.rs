@@ -2,11 +2,11 @@
 
 use super::by_kind;
 use super::shared::Shared;
-use super::stencil::{Frame, Stencil};
+use super::stencil::Frame;
+use super::support::{Footprint, Records, Support};
 use super::tiles::{Report, Tiles};
 use crate::math::v4::{Sweep, Wide, dispatch, splats};
 use crate::model::grid::Node;
-use crate::shape::Shape;
 use crate::transfer::{Transfer, TransferKind};
 use crate::world::World;
 use std::marker::PhantomData;
@@ -53,7 +53,7 @@ pub fn sweep(tiles: &mut Tiles, world: &mut World, numbers: Gather) -> Report {
     by_kind!(world.domain.dimension, world.method.shape, sweep_of, tiles, world, numbers)
 }
 
-fn sweep_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
+fn sweep_of<const D: usize, F: Footprint<D>>(
     tiles: &mut Tiles,
     world: &mut World,
     numbers: Gather,
@@ -78,7 +78,8 @@ fn sweep_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
                 });
             (velocity.part(range.clone()), displacement.part(range.clone()), columns)
         };
-        dispatch(Part::<'_, D, W, S> {
+        dispatch(Part::<'_, D, F> {
+            records: F::part(&particles.domain, range.clone()),
             places: &places[range],
             velocity,
             displacement,
@@ -88,13 +89,14 @@ fn sweep_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
             frame: *tile.frame,
             numbers,
             report,
-            shape: PhantomData,
+            footprint: PhantomData,
         });
     })
 }
 
-struct Part<'a, const D: usize, const W: usize, S> {
+struct Part<'a, const D: usize, F> {
     places: &'a [[f64; 4]],
+    records: Records<'a>,
     velocity: &'a mut [[f64; 4]],
     displacement: &'a mut [[f64; 4]],
     matrix: [&'a mut [[f64; 4]]; 3],
@@ -103,10 +105,10 @@ struct Part<'a, const D: usize, const W: usize, S> {
     frame: Frame,
     numbers: Gather,
     report: &'a mut Report,
-    shape: PhantomData<S>,
+    footprint: PhantomData<F>,
 }
 
-impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
+impl<const D: usize, F: Footprint<D>> Sweep for Part<'_, D, F> {
     type Output = ();
 
     #[inline(always)]
@@ -120,18 +122,11 @@ impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Part<'_, D, W, S> {
     }
 }
 
-/// What a particle sees on the grid.
-struct Gathered<V, const D: usize> {
-    w: V,
-    a: V,
-    /// Columns of sum v* (x) weights, per node spacing.
-    matrix: [V; D],
-}
-
-impl<const D: usize, const W: usize, S: Shape<W>> Part<'_, D, W, S> {
+impl<const D: usize, F: Footprint<D>> Part<'_, D, F> {
     #[inline(always)]
     fn particles<V: Wide, const SCATTER: bool, const AFFINE: bool>(self) {
-        let Self { places, velocity, displacement, matrix, nodes, mapped, frame, .. } = self;
+        let Self { places, records, velocity, displacement, matrix, nodes, mapped, frame, .. } =
+            self;
         let Gather { velocity: mix, own_path, .. } = self.numbers;
         // One check of a stencil's bounds then serves both arrays.
         assert_eq!(nodes.len(), mapped.len());
@@ -141,9 +136,9 @@ impl<const D: usize, const W: usize, S: Shape<W>> Part<'_, D, W, S> {
         let (mut farthest, mut watch) = (V::splat(0.0), V::splat(0.0));
         let particles = places.iter().zip(velocity).zip(displacement).enumerate();
         for (p, ((place, velocity), displacement)) in particles {
-            let stencil = frame.stencil::<V, D, W, S>(V::load(place));
-            let steep = if AFFINE { stencil.affine::<V, S>() } else { stencil };
-            let seen = gather_one::<V, D, W, AFFINE>(&stencil, &steep, nodes);
+            let support = F::at::<V>(&frame, place, &records, p);
+            let steep = if AFFINE { F::affine::<V>(support) } else { support };
+            let seen = support.gather::<V, AFFINE>(&steep, nodes);
             let before = V::load(velocity);
             let new = old.mul_add(before, grid.mul_add(seen.w, change * seen.a));
             new.with_last(before).store(velocity);
@@ -162,112 +157,12 @@ impl<const D: usize, const W: usize, S: Shape<W>> Part<'_, D, W, S> {
                 }
             }
             if SCATTER {
-                scatter_one::<V, D, W, AFFINE>(&stencil, mass * new, &spread, mapped);
+                support.scatter_momentum::<V, AFFINE>(mass * new, &spread, mapped);
             }
         }
         let (far, sum) = (farthest.array(), watch.array());
         self.report.farthest = far[0].max(far[1]).max(far[2]);
         self.report.watch = sum[0] + sum[1] + sum[2];
-    }
-}
-
-/// sum N v*, sum N (v* - v) and, if asked to, sum v* (x) weights.
-#[inline(always)]
-fn gather_one<V: Wide, const D: usize, const W: usize, const AFFINE: bool>(
-    stencil: &Stencil<D, W>,
-    steep: &Stencil<D, W>,
-    nodes: &[Node],
-) -> Gathered<V, D> {
-    let zero = V::splat(0.0);
-    let rows = stencil.of(nodes);
-    let (last, across) = (D - 1, Stencil::<D, W>::ACROSS);
-    let mut sum = Gathered { w: zero, a: zero, matrix: [zero; D] };
-    for i in 0..Stencil::<D, W>::PLANES {
-        let mut plane = Gathered { w: zero, a: zero, matrix: [zero; D] };
-        for j in 0..Stencil::<D, W>::ROWS {
-            let nodes = rows.row(i, j);
-            let (value, motion) = (stencil.value::<V>(last, 0), V::load(&nodes[0].motion));
-            let (mut w, mut a) = (value * motion, value * V::load(&nodes[0].change));
-            let mut slope = steep.slope::<V>(last, 0) * motion;
-            for k in 1..W {
-                let (value, motion) = (stencil.value::<V>(last, k), V::load(&nodes[k].motion));
-                w = value.mul_add(motion, w);
-                a = value.mul_add(V::load(&nodes[k].change), a);
-                if AFFINE {
-                    slope = steep.slope::<V>(last, k).mul_add(motion, slope);
-                }
-            }
-            if D == 1 {
-                plane = Gathered { w, a, matrix: [slope; D] };
-                continue;
-            }
-            let value = stencil.value::<V>(across, j);
-            plane.w = value.mul_add(w, plane.w);
-            plane.a = value.mul_add(a, plane.a);
-            if AFFINE {
-                let steep = steep.slope::<V>(across, j);
-                plane.matrix[across] = steep.mul_add(w, plane.matrix[across]);
-                plane.matrix[last] = value.mul_add(slope, plane.matrix[last]);
-            }
-        }
-        if D < 3 {
-            return plane;
-        }
-        let value = stencil.value::<V>(0, i);
-        sum.w = value.mul_add(plane.w, sum.w);
-        sum.a = value.mul_add(plane.a, sum.a);
-        if AFFINE {
-            sum.matrix[0] = steep.slope::<V>(0, i).mul_add(plane.w, sum.matrix[0]);
-            sum.matrix[across] = value.mul_add(plane.matrix[across], sum.matrix[across]);
-            sum.matrix[last] = value.mul_add(plane.matrix[last], sum.matrix[last]);
-        }
-    }
-    sum
-}
-
-/// mapped += N m (v + C (x_I - x)) for one particle; `spread` is m C h, column by column.
-#[inline(always)]
-fn scatter_one<V: Wide, const D: usize, const W: usize, const AFFINE: bool>(
-    stencil: &Stencil<D, W>,
-    momentum: V,
-    spread: &[V; D],
-    mapped: Shared<'_, [f64; 4]>,
-) {
-    let (last, across) = (D - 1, Stencil::<D, W>::ACROSS);
-    let mut first = momentum;
-    if AFFINE {
-        for axis in 0..D {
-            first = V::splat(-stencil.offset(axis)).mul_add(spread[axis], first);
-        }
-    }
-    // SAFETY: tiles of one colour share no node (see `tiles`).
-    let mut rows = unsafe { stencil.of_shared(&mapped) };
-    for i in 0..Stencil::<D, W>::PLANES {
-        let along = if D == 3 { stencil.value::<V>(0, i) } else { V::splat(1.0) };
-        let mut plane = first;
-        if AFFINE && D == 3 {
-            plane = V::splat(i as f64).mul_add(spread[0], plane);
-        }
-        for j in 0..Stencil::<D, W>::ROWS {
-            let mut momentum = plane;
-            if AFFINE && D > 1 {
-                momentum = V::splat(j as f64).mul_add(spread[across], momentum);
-            }
-            let value = match D {
-                1 => along,
-                2 => stencil.value::<V>(across, j),
-                _ => along * stencil.value::<V>(across, j),
-            };
-            let (mut momentum, step) = (value * momentum, value * spread[last]);
-            let nodes = rows.row(i, j);
-            for k in 0..W {
-                let node = &mut nodes[k];
-                stencil.value::<V>(last, k).mul_add(momentum, V::load(node)).store(node);
-                if AFFINE {
-                    momentum = momentum + step;
-                }
-            }
-        }
     }
 }
 
@@ -277,11 +172,7 @@ pub fn scatter_momentum(tiles: &mut Tiles, world: &mut World, affine: bool) {
     by_kind!(world.domain.dimension, world.method.shape, scatter_of, tiles, world, affine);
 }
 
-fn scatter_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
-    tiles: &mut Tiles,
-    world: &mut World,
-    affine: bool,
-) {
+fn scatter_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut World, affine: bool) {
     let World { particles, grid, method, .. } = world;
     let places = particles.places(method.total);
     let mapped = Shared::new(&mut grid.mapped);
@@ -290,29 +181,31 @@ fn scatter_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
             true => column.get(tile.range.clone()).unwrap_or(&[]),
             false => &[],
         });
-        dispatch(Second::<'_, D, W, S> {
+        dispatch(Second::<'_, D, F> {
+            records: F::part(&particles.domain, tile.range.clone()),
             places: &places[tile.range.clone()],
             velocity: &particles.velocity[tile.range],
             matrix,
             affine,
             mapped,
             frame: *tile.frame,
-            shape: PhantomData,
+            footprint: PhantomData,
         });
     });
 }
 
-struct Second<'a, const D: usize, const W: usize, S> {
+struct Second<'a, const D: usize, F> {
     places: &'a [[f64; 4]],
+    records: Records<'a>,
     velocity: &'a [[f64; 4]],
     matrix: [&'a [[f64; 4]]; 3],
     affine: bool,
     mapped: Shared<'a, [f64; 4]>,
     frame: Frame,
-    shape: PhantomData<S>,
+    footprint: PhantomData<F>,
 }
 
-impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Second<'_, D, W, S> {
+impl<const D: usize, F: Footprint<D>> Sweep for Second<'_, D, F> {
     type Output = ();
 
     #[inline(always)]
@@ -321,11 +214,11 @@ impl<const D: usize, const W: usize, S: Shape<W>> Sweep for Second<'_, D, W, S> 
     }
 }
 
-impl<const D: usize, const W: usize, S: Shape<W>> Second<'_, D, W, S> {
+impl<const D: usize, F: Footprint<D>> Second<'_, D, F> {
     #[inline(always)]
     fn particles<V: Wide, const AFFINE: bool>(self) {
         for (p, (place, velocity)) in self.places.iter().zip(self.velocity).enumerate() {
-            let stencil = self.frame.stencil::<V, D, W, S>(V::load(place));
+            let support = F::at::<V>(&self.frame, place, &self.records, p);
             let mass = V::splat(place[3]);
             let mut spread = [V::splat(0.0); D];
             if AFFINE {
@@ -335,7 +228,7 @@ impl<const D: usize, const W: usize, S: Shape<W>> Second<'_, D, W, S> {
                 }
             }
             let momentum = mass * V::load(velocity);
-            scatter_one::<V, D, W, AFFINE>(&stencil, momentum, &spread, self.mapped);
+            support.scatter_momentum::<V, AFFINE>(momentum, &spread, self.mapped);
         }
     }
 }

@@ -6,6 +6,7 @@ use super::ledger::advance_and_book;
 use super::scatter::Parcel;
 use super::shared::Shared;
 use super::stencil::Frame;
+use super::support::{Footprint, Records, Support};
 use super::tiles::{Report, Tile, Tiles};
 use crate::material::kinematics::thinnest;
 use crate::material::state::copy;
@@ -15,7 +16,7 @@ use crate::math::wide::in_space;
 use crate::model::column::{COLUMNS, Column, ColumnSet};
 use crate::model::grid::Node;
 use crate::model::ledger::Share;
-use crate::shape::Shape;
+use crate::model::particles::DOMAIN_RECORDS;
 use crate::world::{Solid, World};
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -64,6 +65,7 @@ pub fn sweep(tiles: &mut Tiles, world: &mut World, points: Points) -> Report {
 /// Memory that the tiles write, each its part.
 struct Lent<'a> {
     position: Shared<'a, [f64; 4]>,
+    domain: [Shared<'a, [f64; 4]>; DOMAIN_RECORDS],
     matrix: [Shared<'a, [f64; 4]>; 3],
     columns: [Shared<'a, f64>; COLUMNS],
     nodes: Shared<'a, Node>,
@@ -84,7 +86,7 @@ struct Seen<'a> {
     description: Description,
 }
 
-fn sweep_of<const D: usize, const W: usize, const ROUND: bool, S: Shape<W> + Sync>(
+fn sweep_of<const D: usize, const ROUND: bool, F: Footprint<D>>(
     tiles: &mut Tiles,
     world: &mut World,
     points: Points,
@@ -106,6 +108,7 @@ fn sweep_of<const D: usize, const W: usize, const ROUND: bool, S: Shape<W> + Syn
     let mut matrix = particles.matrix.iter_mut();
     let lent = Lent {
         position: Shared::new(&mut particles.position),
+        domain: particles.domain.each_mut().map(|record| Shared::new(record)),
         matrix: std::array::from_fn(|_| Shared::new(matrix.next().map_or(&mut [], |c| c))),
         columns: std::array::from_fn(|_| Shared::new(columns.next().map_or(&mut [], |c| c))),
         nodes: Shared::new(&mut grid.nodes),
@@ -115,7 +118,7 @@ fn sweep_of<const D: usize, const W: usize, const ROUND: bool, S: Shape<W> + Syn
         SCRATCH.with_borrow_mut(|scratch| {
             for range in of_one_solid(tile.range, seen.solid) {
                 let solid = &seen.solids[seen.solid[range.start] as usize];
-                let part = Part::<'_, D, W, ROUND, S> {
+                let part = Part::<'_, D, ROUND, F> {
                     solid,
                     range,
                     seen: &seen,
@@ -124,7 +127,7 @@ fn sweep_of<const D: usize, const W: usize, const ROUND: bool, S: Shape<W> + Syn
                     frame: *tile.frame,
                     points: if solid.rigid { points.of_rigid() } else { points },
                     report,
-                    shape: PhantomData,
+                    footprint: PhantomData,
                 };
                 dispatch(part);
             }
@@ -150,7 +153,7 @@ pub fn of_one_solid(range: Range<usize>, solid: &[u16]) -> impl Iterator<Item = 
 }
 
 /// One chunk; `ROUND`: x is a radius.
-struct Part<'a, const D: usize, const W: usize, const ROUND: bool, S> {
+struct Part<'a, const D: usize, const ROUND: bool, F> {
     solid: &'a Solid,
     range: Range<usize>,
     seen: &'a Seen<'a>,
@@ -159,12 +162,10 @@ struct Part<'a, const D: usize, const W: usize, const ROUND: bool, S> {
     frame: Frame,
     points: Points,
     report: &'a mut Report,
-    shape: PhantomData<S>,
+    footprint: PhantomData<F>,
 }
 
-impl<const D: usize, const W: usize, const ROUND: bool, S: Shape<W>> Sweep
-    for Part<'_, D, W, ROUND, S>
-{
+impl<const D: usize, const ROUND: bool, F: Footprint<D>> Sweep for Part<'_, D, ROUND, F> {
     type Output = ();
 
     #[inline(always)]
@@ -203,7 +204,7 @@ impl<const D: usize, const W: usize, const ROUND: bool, S: Shape<W>> Sweep
     }
 }
 
-impl<'a, const D: usize, const W: usize, const ROUND: bool, S: Shape<W>> Part<'a, D, W, ROUND, S> {
+impl<'a, const D: usize, const ROUND: bool, F: Footprint<D>> Part<'a, D, ROUND, F> {
     /// Dimensions of tensors: hoop components live.
     const TENSOR: usize = if ROUND { 3 } else { D };
 
@@ -216,6 +217,17 @@ impl<'a, const D: usize, const W: usize, const ROUND: bool, S: Shape<W>> Part<'a
             // SAFETY: the ranges of the tiles do not overlap, so each particle has one user.
             Description::Updated(_) => unsafe { lent.position.part(self.range.clone()) },
         }
+    }
+
+    /// The records of the domains that the weights depend on.
+    #[inline(always)]
+    fn domains(&self) -> Records<'a> {
+        let mut records: Records<'a> = [&[]; DOMAIN_RECORDS];
+        for number in 0..F::RECORDS {
+            // SAFETY: as in `places`.
+            records[number] = unsafe { self.lent.domain[number].part(self.range.clone()) };
+        }
+        records
     }
 
     /// The state of the chunk into the scratch memory.
@@ -242,14 +254,15 @@ impl<'a, const D: usize, const W: usize, const ROUND: bool, S: Shape<W>> Part<'a
     #[inline(always)]
     fn gradients<V: Wide, const MOMENTS: bool>(&mut self) {
         let (frame, mapped, places) = (self.frame, self.seen.mapped, self.places());
+        let domains = self.domains();
         let Scratch { records, numbers, .. } = &mut *self.scratch;
         let len = places.len().min(LANES);
         for p in 0..len {
-            let mut stencil = frame.stencil::<V, D, W, S>(V::load(&places[p]));
+            let mut support = F::at::<V>(&frame, &places[p], &domains, p);
             if MOMENTS {
-                stencil = stencil.affine::<V, S>();
+                support = F::affine::<V>(support);
             }
-            let (columns, value) = stencil.gradient_and_value::<V>(mapped);
+            let (columns, value) = support.gradient_and_value::<V>(mapped);
             for j in 0..D {
                 columns[j].store(&mut records[j][p]);
             }
@@ -339,10 +352,10 @@ impl<'a, const D: usize, const W: usize, const ROUND: bool, S: Shape<W>> Part<'a
     /// the same with L = dF/dt F^-1.
     #[inline(always)]
     fn average_dilation<V: Wide>(&mut self) {
-        let (frame, places) = (self.frame, self.places());
+        let (frame, places, domains) = (self.frame, self.places(), self.domains());
         for p in 0..places.len().min(LANES) {
-            let stencil = frame.stencil::<V, D, W, S>(V::load(&places[p]));
-            self.scratch.numbers[p / 4][p % 4] = stencil.average(self.seen.dilation);
+            let support = F::at::<V>(&frame, &places[p], &domains, p);
+            self.scratch.numbers[p / 4][p % 4] = support.sum_of_numbers(self.seen.dilation);
         }
         match ROUND {
             true => super::dilation::replace::<V, 3>(self.scratch, self.seen.description),
@@ -417,11 +430,11 @@ impl<'a, const D: usize, const W: usize, const ROUND: bool, S: Shape<W>> Part<'a
         let records = &self.scratch.records;
         // Indices below LANES and slices of one length: the loop needs no further checks.
         let len = self.range.len().min(LANES);
-        let places = &self.places()[..len];
+        let (places, domains) = (&self.places()[..len], self.domains());
         let velocity = &self.seen.velocity[self.range.clone()][..len];
         for p in 0..len {
             let (place, v) = (&places[p], &velocity[p]);
-            let mut stencil = frame.stencil::<V, D, W, S>(V::load(place));
+            let mut support = F::at::<V>(&frame, place, &domains, p);
             let mass = V::splat(place[3]);
             let mut parcel = Parcel {
                 motion: mass * V::load(v).with_last(V::splat(1.0)),
@@ -433,10 +446,7 @@ impl<'a, const D: usize, const W: usize, const ROUND: bool, S: Shape<W>> Part<'a
                 for axis in 0..D {
                     // SAFETY: as in `places`.
                     let matrix = unsafe { self.lent.matrix[axis].part(self.range.clone()) };
-                    let spread = mass * spacing * V::load(&matrix[p]);
-                    let offset = V::splat(-stencil.offset(axis));
-                    parcel.motion = offset.mul_add(spread, parcel.motion);
-                    parcel.spread[axis] = spread;
+                    parcel.spread[axis] = mass * spacing * V::load(&matrix[p]);
                 }
             }
             if FORCE {
@@ -451,10 +461,10 @@ impl<'a, const D: usize, const W: usize, const ROUND: bool, S: Shape<W>> Part<'a
                     parcel.hoop = V::load(&[force, 0.0, 0.0, 0.0]);
                 }
                 if moments {
-                    stencil = stencil.affine::<V, S>();
+                    support = F::affine::<V>(support);
                 }
             }
-            parcel.scatter::<W, ROUND, MOTION, FORCE, AFFINE>(&stencil, nodes);
+            support.scatter::<V, ROUND, MOTION, FORCE, AFFINE>(parcel, nodes);
         }
     }
 }

@@ -6,13 +6,13 @@
 use super::by_kind;
 use super::points::of_one_solid;
 use super::shared::Shared;
-use super::stencil::{Frame, rows_of};
+use super::stencil::Frame;
+use super::support::{Footprint, Support};
 use super::tiles::{SMALLEST_PARALLEL, Tiles};
 use crate::math::v4::Plain;
 use crate::math::v4::Wide;
 use crate::model::grid::Grid;
 use crate::model::particles::Particles;
-use crate::shape::Shape;
 use crate::world::World;
 use rayon::prelude::*;
 
@@ -35,32 +35,20 @@ pub fn flag(tiles: &mut Tiles, world: &mut World) {
     world.rigid.flagged = true;
 }
 
-fn flag_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
-    tiles: &mut Tiles,
-    world: &mut World,
-) {
+fn flag_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut World) {
     let World { particles, grid, solids, .. } = world;
     let nodes = Shared::new(&mut grid.rigid);
+    let records = F::part(&particles.domain, 0..particles.len());
     tiles.sweep(|tile, _| {
         for range in of_one_solid(tile.range, &particles.solid) {
             if !solids[particles.solid[range.start] as usize].rigid {
                 continue;
             }
             for p in range {
-                let stencil =
-                    tile.frame.stencil::<Plain, D, W, S>(Plain::load(&particles.position[p]));
+                let support = F::at::<Plain>(tile.frame, &particles.position[p], &records, p);
                 let [x, y, z, volume] = particles.velocity[p];
-                // SAFETY: tiles of one colour share no node (see `tiles`).
-                let mut rows = unsafe { stencil.of_shared(&nodes) };
-                for (i, j) in rows_of::<D, W>() {
-                    for k in 0..W {
-                        let weight = stencil.weight(i, j, k) * volume;
-                        let node = &mut rows.row(i, j)[k];
-                        for (sum, velocity) in node.iter_mut().zip([x, y, z, 1.0]) {
-                            *sum += weight * velocity;
-                        }
-                    }
-                }
+                let amount = [x, y, z, 1.0].map(|part| volume * part);
+                support.add(Plain::load(&amount), nodes);
             }
         }
     });
@@ -121,27 +109,16 @@ fn each_flagged(grid: &mut Grid, visit: impl Fn(&mut Grid, usize)) {
     }
 }
 
-fn react_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
-    frames: &[Frame],
-    world: &mut World,
-) {
+fn react_of<const D: usize, F: Footprint<D>>(frames: &[Frame], world: &mut World) {
     let World { particles, solids, grid, rigid, .. } = world;
-    let Particles { position, velocity, solid, .. } = particles;
+    let Particles { position, velocity, solid, domain, .. } = &*particles;
+    let records = F::part(domain, 0..position.len());
     let mapped = &grid.mapped;
     let gather = |(reaction, p): (&mut [f64; 4], &u32)| {
         let p = *p as usize;
         let frame = &frames[solids[solid[p] as usize].lattice];
-        let stencil = frame.stencil::<Plain, D, W, S>(Plain::load(&position[p]));
-        let rows = stencil.of(mapped);
-        *reaction = [0.0; 4];
-        for (i, j) in rows_of::<D, W>() {
-            for (k, node) in rows.row(i, j).iter().enumerate() {
-                let weight = stencil.weight(i, j, k) * velocity[p][3];
-                for (sum, force) in reaction.iter_mut().zip(node) {
-                    *sum += weight * force;
-                }
-            }
-        }
+        let support = F::at::<Plain>(frame, &position[p], &records, p);
+        *reaction = support.sum::<Plain>(mapped).array().map(|sum| velocity[p][3] * sum);
     };
     if rigid.particles.len() >= SMALLEST_PARALLEL {
         rigid.reaction.par_iter_mut().zip(&rigid.particles).for_each(gather);

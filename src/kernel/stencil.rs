@@ -95,12 +95,6 @@ fn low_bits(shifted: f64) -> usize {
     shifted.to_bits() as u32 as usize
 }
 
-/// All (plane, row) of a stencil, for loops where speed does not matter.
-pub fn rows_of<const D: usize, const W: usize>() -> impl Iterator<Item = (usize, usize)> {
-    let rows = Stencil::<D, W>::ROWS;
-    (0..Stencil::<D, W>::PLANES * rows).map(move |number| (number / rows, number % rows))
-}
-
 /// The W^D nodes of a particle: planes of rows of `W` nodes along the last axis.
 ///
 /// Loops go over planes (along the first of three axes), rows (along the last but one axis) and
@@ -172,6 +166,18 @@ impl<const D: usize, const W: usize> Stencil<D, W> {
         }
     }
 
+    /// N of node `k` of each axis: `all_values()[k][axis]`.
+    #[inline(always)]
+    pub fn all_values(&self) -> &[[f64; 4]; W] {
+        &self.axes.value
+    }
+
+    /// dN/dr of node `k` of each axis: `all_slopes()[k][axis]`.
+    #[inline(always)]
+    pub fn all_slopes(&self) -> &[[f64; 4]; W] {
+        &self.axes.slope
+    }
+
     /// Place in memory of node `k` of row `j` of plane `i`.
     #[inline(always)]
     pub fn place(&self, i: usize, j: usize, k: usize) -> usize {
@@ -214,88 +220,6 @@ impl<const D: usize, const W: usize> Stencil<D, W> {
     pub unsafe fn of_shared<'a, T>(&self, nodes: &Shared<'a, T>) -> RowsMut<'a, T, D, W> {
         // SAFETY: the caller's promise.
         unsafe { nodes.rows(self.base, self.stride) }
-    }
-
-    /// sum v (x) dN/dr of one particle: column j is the derivative along axis j, in velocity per node
-    /// spacing.
-    #[inline(always)]
-    pub fn gradient<V: Wide>(&self, mapped: &[[f64; 4]]) -> [V; D] {
-        self.gradient_and_value(mapped).0
-    }
-
-    /// The same and, in two dimensions, sum v N.
-    #[inline(always)]
-    pub fn gradient_and_value<V: Wide>(&self, mapped: &[[f64; 4]]) -> ([V; D], V) {
-        let (last, across, zero) = (D - 1, Stencil::<D, W>::ACROSS, V::splat(0.0));
-        let rows = self.of(mapped);
-        let mut sum = [zero; D];
-        for i in 0..Stencil::<D, W>::PLANES {
-            let mut plane = [zero; D];
-            let mut plane_flat = zero;
-            for j in 0..Stencil::<D, W>::ROWS {
-                let nodes = rows.row(i, j);
-                let (mut flat, mut steep) = (zero, zero);
-                for k in 0..W {
-                    let node = V::load(&nodes[k]);
-                    flat = self.value::<V>(last, k).mul_add(node, flat);
-                    steep = self.slope::<V>(last, k).mul_add(node, steep);
-                }
-                if D == 1 {
-                    return ([steep; D], flat);
-                }
-                let (value, slope) = (self.value::<V>(across, j), self.slope::<V>(across, j));
-                plane[last] = value.mul_add(steep, plane[last]);
-                plane[across] = slope.mul_add(flat, plane[across]);
-                plane_flat = value.mul_add(flat, plane_flat);
-            }
-            if D < 3 {
-                return (plane, plane_flat);
-            }
-            let value = self.value::<V>(0, i);
-            sum[0] = self.slope::<V>(0, i).mul_add(plane_flat, sum[0]);
-            for axis in 1..D {
-                sum[axis] = value.mul_add(plane[axis], sum[axis]);
-            }
-        }
-        (sum, zero)
-    }
-
-    /// q_I += flux . dN/dr of one particle.
-    #[inline(always)]
-    pub fn add_divergence(&self, flux: [f64; 4], mut nodes: RowsMut<'_, f64, D, W>) {
-        let (last, across) = (D - 1, Self::ACROSS);
-        let Weights { value, slope, .. } = &self.axes;
-        for i in 0..Self::PLANES {
-            let (along, steep_along) = match D {
-                3 => (value[i][0], slope[i][0]),
-                _ => (1.0, 0.0),
-            };
-            for j in 0..Self::ROWS {
-                let (mut steep, mut flat) = (flux[last] * along, flux[0] * steep_along);
-                if D > 1 {
-                    steep *= value[j][across];
-                    flat = flat * value[j][across] + flux[across] * along * slope[j][across];
-                }
-                let row = nodes.row(i, j);
-                for k in 0..W {
-                    row[k] += steep * slope[k][last] + flat * value[k][last];
-                }
-            }
-        }
-    }
-
-    /// sum N q of one particle.
-    #[inline(always)]
-    pub fn average(&self, nodes: &[f64]) -> f64 {
-        let (rows, mut sum) = (self.of(nodes), 0.0);
-        for i in 0..Self::PLANES {
-            for j in 0..Self::ROWS {
-                for k in 0..W {
-                    sum += self.weight(i, j, k) * rows.row(i, j)[k];
-                }
-            }
-        }
-        sum
     }
 }
 

@@ -8,12 +8,11 @@ use super::by_kind;
 use super::pairs::{radius, size};
 use super::points::of_one_solid;
 use super::shared::Shared;
-use super::stencil::rows_of;
+use super::support::{Footprint, Support};
 use super::tiles::Tiles;
-use crate::math::v4::{Plain, Wide};
+use crate::math::v4::Plain;
 use crate::model::contact::{CANDIDATES, Couple, Pair, Rule};
 use crate::model::grid::Grid;
-use crate::shape::Shape;
 use crate::world::World;
 
 /// No particle has been seen.
@@ -81,36 +80,31 @@ pub fn find(tiles: &mut Tiles, world: &mut World) {
 
 /// outward <- (sum w dN/dr, sum w N) at the nodes of couples; w = m, of rigid bodies V, where x is a
 /// radius per x: a surface across the axis then has its normal along the axis.
-fn outward_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
-    tiles: &mut Tiles,
-    world: &mut World,
-) {
+fn outward_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut World) {
     let World { particles, grid, solids, method, .. } = world;
     let (coupled, outward) = (&grid.coupled, Shared::new(&mut grid.outward));
+    let records = F::part(&particles.domain, 0..particles.len());
     tiles.sweep(|tile, _| {
         for range in of_one_solid(tile.range, &particles.solid) {
             let rigid = solids[particles.solid[range.start] as usize].rigid;
             for p in range {
                 let place = particles.position[p];
-                let stencil = tile.frame.stencil::<Plain, D, W, S>(Plain::load(&place));
-                let marks = stencil.of(coupled);
-                let all = || rows_of::<D, W>();
-                if all().all(|(i, j)| marks.row(i, j).iter().all(|first| *first == 0)) {
+                let support = F::at::<Plain>(tile.frame, &place, &records, p);
+                let mut met = false;
+                support.each(|node, _| met |= coupled[node] != 0);
+                if !met {
                     continue;
                 }
                 let [x, y, z, mass] = place;
                 let weight = if rigid { particles.velocity[p][3] } else { mass };
                 let weight = weight / method.girth([x, y, z]);
-                // SAFETY: tiles of one colour share no node (see `tiles`).
-                let mut rows = unsafe { stencil.of_shared(&outward) };
-                for (i, j) in all() {
-                    for (k, node) in rows.row(i, j).iter_mut().enumerate() {
-                        let [a, b, c] = stencil.slopes(i, j, k);
-                        for (sum, part) in node.iter_mut().zip([a, b, c, stencil.weight(i, j, k)]) {
-                            *sum += weight * part;
-                        }
+                support.each_slope(|node, value, [a, b, c], _| {
+                    // SAFETY: tiles of one colour share no node (see `tiles`).
+                    let node = unsafe { &mut outward.part(node..node + 1)[0] };
+                    for (sum, part) in node.iter_mut().zip([a, b, c, value]) {
+                        *sum += weight * part;
                     }
-                }
+                });
             }
         }
     });
@@ -158,45 +152,39 @@ fn find_normals(world: &mut World) {
 
 /// extents[couple][side] <- for each candidate the farthest that the particles around the node reach
 /// beyond it along the normal (side 0) or against it (side 1).
-fn extents_of<const D: usize, const W: usize, S: Shape<W> + Sync>(
-    tiles: &mut Tiles,
-    world: &mut World,
-) {
+fn extents_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut World) {
     let mut extents = std::mem::take(&mut world.grid.extents);
     let shared = Shared::new(extents.as_flattened_mut());
     let World { particles, grid, contacts, .. } = &*world;
     let Grid { coupled, couples, .. } = grid;
     let cell = world.domain.cell;
+    let records = F::part(&particles.domain, 0..particles.len());
     tiles.sweep(|tile, _| {
         for p in tile.range {
-            let place = Plain::load(&particles.position[p]);
-            let stencil = tile.frame.stencil::<Plain, D, W, S>(place);
-            let marks = stencil.of(coupled);
-            for (i, j) in rows_of::<D, W>() {
-                for (k, first) in marks.row(i, j).iter().enumerate() {
-                    let mut next = *first;
-                    while next != 0 {
-                        let number = next as usize - 1;
-                        let couple = &couples[number];
-                        let side = usize::from(couple.nodes[0] as usize != stencil.place(i, j, k));
-                        next = couple.next[side];
-                        let touching = contacts.pairs[couple.pair as usize].touching;
-                        if !touching || couple.normal == [0.0; 3] {
-                            continue;
-                        }
-                        let place = 2 * number + side;
-                        // SAFETY: a side belongs to one node, and tiles of one colour share none.
-                        let extents = unsafe { shared.part(place..place + 1) };
-                        let away = stencil.away(i, j, k).map(|r| r * tile.frame.spacing);
-                        let radius = radius(size(world, p), D);
-                        let sign = if side == 0 { 1.0 } else { -1.0 };
-                        for (extent, normal) in extents[0].iter_mut().zip(couple.candidates) {
-                            let out = normal.map(|n| sign * n);
-                            *extent = extent.max(reach(away, out, radius, cell));
-                        }
+            let support = F::at::<Plain>(tile.frame, &particles.position[p], &records, p);
+            support.each_slope(|node, _, _, away| {
+                let mut next = coupled[node];
+                while next != 0 {
+                    let number = next as usize - 1;
+                    let couple = &couples[number];
+                    let side = usize::from(couple.nodes[0] as usize != node);
+                    next = couple.next[side];
+                    let touching = contacts.pairs[couple.pair as usize].touching;
+                    if !touching || couple.normal == [0.0; 3] {
+                        continue;
+                    }
+                    let place = 2 * number + side;
+                    // SAFETY: a side belongs to one node, and tiles of one colour share none.
+                    let extents = unsafe { shared.part(place..place + 1) };
+                    let away = away.map(|r| r * tile.frame.spacing);
+                    let radius = radius(size(world, p), D);
+                    let sign = if side == 0 { 1.0 } else { -1.0 };
+                    for (extent, normal) in extents[0].iter_mut().zip(couple.candidates) {
+                        let out = normal.map(|n| sign * n);
+                        *extent = extent.max(reach(away, out, radius, cell));
                     }
                 }
-            }
+            });
         }
     });
     world.grid.extents = extents;

@@ -3,6 +3,9 @@
 use super::column::{COLUMNS, Column, ColumnSet};
 use super::group::{GroupId, Groups, Members};
 
+/// Most records of the domain of a particle: the corners of a hexahedron.
+pub const DOMAIN_RECORDS: usize = 8;
+
 /// All particles, one row each; columns of the same length or empty where the scene needs none.
 #[derive(Clone, Default)]
 pub struct Particles {
@@ -17,6 +20,9 @@ pub struct Particles {
     /// Columns of the matrix \[1/T\] that P2G reads around a particle (C of affine transfers, L of
     /// `gradient-enhanced`): as many as dimensions, or all empty.
     pub matrix: [Vec<[f64; 4]>; 3],
+    /// Records \[L\] of the domain of each particle that its weights depend on, as many as the
+    /// footprint has: half sizes of `gimp`, half edges or corners of CPDI; the others are empty.
+    pub domain: [Vec<[f64; 4]>; DOMAIN_RECORDS],
     /// Optional scalar columns, in the order of [`Column`]; an absent one is empty.
     pub columns: Vec<Vec<f64>>,
     /// Global ids from 1.
@@ -79,6 +85,7 @@ impl Particles {
         [&mut self.position, &mut self.velocity, &mut self.displacement, &mut self.reference]
             .into_iter()
             .chain(&mut self.matrix)
+            .chain(&mut self.domain)
             .filter(|records| !records.is_empty())
     }
 
@@ -189,7 +196,7 @@ impl Particles {
     pub fn bytes_each(&self) -> usize {
         let records = 3
             + usize::from(!self.reference.is_empty())
-            + self.matrix.iter().filter(|r| !r.is_empty()).count();
+            + self.matrix.iter().chain(&self.domain).filter(|r| !r.is_empty()).count();
         records * 32 + 8 * self.present.iter().count() + 4 + 2 + 8 * self.masks.len()
     }
 }
