@@ -10,6 +10,8 @@ pub mod stl;
 pub mod surface;
 mod words;
 
+use element::MOST_CORNERS;
+
 /// Coordinates beyond this \[L\] are refused, so that products of three of them stay finite.
 const FARTHEST: f64 = 1e60;
 
@@ -41,11 +43,34 @@ pub struct Point {
     pub volume: f64,
 }
 
+/// The corners of an element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corners {
+    places: [[f64; 3]; MOST_CORNERS],
+    count: usize,
+}
+
+impl Corners {
+    /// From their places \[L\], at most as many as a hexahedron has.
+    pub fn new(corners: &[[f64; 3]]) -> Self {
+        let mut places = [[0.0; 3]; MOST_CORNERS];
+        places[..corners.len()].copy_from_slice(corners);
+        Self { places, count: corners.len() }
+    }
+
+    /// Their places \[L\].
+    pub fn places(&self) -> &[[f64; 3]] {
+        &self.places[..self.count]
+    }
+}
+
 /// The particles of a body, as a file gives them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Points {
     /// The particles.
     pub list: Vec<Point>,
+    /// Corners of the elements that particles are made of; empty where there are no elements.
+    pub corners: Vec<Corners>,
     /// Lower corner of the body \[L\].
     pub lower: [f64; 3],
     /// Upper corner of the body \[L\].
@@ -55,6 +80,11 @@ pub struct Points {
 }
 
 impl Points {
+    /// The corners of the element of a particle; none if it has no element.
+    pub fn corners_of(&self, number: usize) -> &[[f64; 3]] {
+        self.corners.get(number).map_or(&[], Corners::places)
+    }
+
     /// Edge of a square or cube of the mean volume \[L\].
     pub fn spacing(&self, dimension: usize) -> f64 {
         let volume: f64 = self.list.iter().map(|point| point.volume).sum();

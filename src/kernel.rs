@@ -14,10 +14,13 @@
 //! Lagrangian). Particles are sorted by tile ([`tiles`]); tiles of one colour share no node, so
 //! they run in parallel and every sum has one order for any number of threads.
 
+pub mod advect;
 pub mod chunk;
+pub mod cloud;
 pub mod conduction;
 pub mod contact;
 pub mod dilation;
+pub mod domains;
 pub mod filter;
 pub mod gather;
 pub mod grid;
@@ -39,8 +42,9 @@ pub mod walls;
 /// `by_kind!(d, shape, kernel, args...)` calls `kernel::<2, Tensor<4, Cubic>>(args...)` and so on.
 macro_rules! by_kind {
     ($dimension:expr, $shape:expr, $kernel:ident, $($argument:expr),+) => {{
-        use $crate::kernel::support::Tensor;
-        use $crate::shape::{Bernstein, Cubic, Linear, Quadratic, ShapeKind};
+        use $crate::kernel::cloud::{Corners, Parallel};
+        use $crate::kernel::support::{Boxed, Tensor};
+        use $crate::shape::{Bernstein, Cubic, DomainKind, Linear, Quadratic, ShapeKind};
         match ($dimension, $shape) {
             (1, ShapeKind::Linear) => $kernel::<1, Tensor<2, Linear>>($($argument),+),
             (2, ShapeKind::Linear) => $kernel::<2, Tensor<2, Linear>>($($argument),+),
@@ -54,6 +58,17 @@ macro_rules! by_kind {
             (1, ShapeKind::Bernstein) => $kernel::<1, Tensor<3, Bernstein>>($($argument),+),
             (2, ShapeKind::Bernstein) => $kernel::<2, Tensor<3, Bernstein>>($($argument),+),
             (_, ShapeKind::Bernstein) => $kernel::<3, Tensor<3, Bernstein>>($($argument),+),
+            (1, ShapeKind::Gimp | ShapeKind::StretchedGimp) => $kernel::<1, Boxed>($($argument),+),
+            (2, ShapeKind::Gimp | ShapeKind::StretchedGimp) => $kernel::<2, Boxed>($($argument),+),
+            (_, ShapeKind::Gimp | ShapeKind::StretchedGimp) => $kernel::<3, Boxed>($($argument),+),
+            (dimension, ShapeKind::Corners(kind)) => match (dimension, kind) {
+                (1, _) => $kernel::<1, Parallel<2>>($($argument),+),
+                (2, DomainKind::Quadrangle) => $kernel::<2, Corners<4>>($($argument),+),
+                (2, _) => $kernel::<2, Parallel<4>>($($argument),+),
+                (_, DomainKind::Tetrahedron) => $kernel::<3, Corners<4>>($($argument),+),
+                (_, DomainKind::Hexahedron) => $kernel::<3, Corners<8>>($($argument),+),
+                _ => $kernel::<3, Parallel<8>>($($argument),+),
+            },
         }
     }};
 }
@@ -61,11 +76,12 @@ pub(crate) use by_kind;
 
 /// The same for kernels with loops of their own where x is a radius:
 /// `by_space!(axisymmetric, d, shape, kernel, args...)` calls `kernel::<2, true, Tensor<4, Cubic>>(args...)`
-/// or `kernel::<2, false, Tensor<4, Cubic>>(args...)`.
+/// or `kernel::<2, false, Tensor<4, Cubic>>(args...)`. CPDI knows no such loops.
 macro_rules! by_space {
     ($axisymmetric:expr, $dimension:expr, $shape:expr, $kernel:ident, $($argument:expr),+) => {{
-        use $crate::kernel::support::Tensor;
-        use $crate::shape::{Bernstein, Cubic, Linear, Quadratic, ShapeKind};
+        use $crate::kernel::cloud::{Corners, Parallel};
+        use $crate::kernel::support::{Boxed, Tensor};
+        use $crate::shape::{Bernstein, Cubic, DomainKind, Linear, Quadratic, ShapeKind};
         match ($axisymmetric, $dimension, $shape) {
             (true, _, ShapeKind::Linear) => $kernel::<2, true, Tensor<2, Linear>>($($argument),+),
             (true, _, ShapeKind::Quadratic) => $kernel::<2, true, Tensor<3, Quadratic>>($($argument),+),
@@ -83,6 +99,26 @@ macro_rules! by_space {
             (_, 1, ShapeKind::Bernstein) => $kernel::<1, false, Tensor<3, Bernstein>>($($argument),+),
             (_, 2, ShapeKind::Bernstein) => $kernel::<2, false, Tensor<3, Bernstein>>($($argument),+),
             (_, _, ShapeKind::Bernstein) => $kernel::<3, false, Tensor<3, Bernstein>>($($argument),+),
+            (true, _, ShapeKind::Gimp | ShapeKind::StretchedGimp) => {
+                $kernel::<2, true, Boxed>($($argument),+)
+            }
+            (_, 1, ShapeKind::Gimp | ShapeKind::StretchedGimp) => {
+                $kernel::<1, false, Boxed>($($argument),+)
+            }
+            (_, 2, ShapeKind::Gimp | ShapeKind::StretchedGimp) => {
+                $kernel::<2, false, Boxed>($($argument),+)
+            }
+            (_, _, ShapeKind::Gimp | ShapeKind::StretchedGimp) => {
+                $kernel::<3, false, Boxed>($($argument),+)
+            }
+            (_, dimension, ShapeKind::Corners(kind)) => match (dimension, kind) {
+                (1, _) => $kernel::<1, false, Parallel<2>>($($argument),+),
+                (2, DomainKind::Quadrangle) => $kernel::<2, false, Corners<4>>($($argument),+),
+                (2, _) => $kernel::<2, false, Parallel<4>>($($argument),+),
+                (_, DomainKind::Tetrahedron) => $kernel::<3, false, Corners<4>>($($argument),+),
+                (_, DomainKind::Hexahedron) => $kernel::<3, false, Corners<8>>($($argument),+),
+                _ => $kernel::<3, false, Parallel<8>>($($argument),+),
+            },
         }
     }};
 }

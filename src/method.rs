@@ -35,8 +35,21 @@ impl Method {
     }
 }
 
-/// All methods; the value says whether it is total Lagrangian.
-pub const METHODS: &[Style<bool>] = &[
+/// What the word for a method says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MethodKind {
+    /// Total Lagrangian.
+    pub total: bool,
+    /// Nodes are seen through the corners of the domains of particles.
+    pub corners: bool,
+}
+
+const fn kind(total: bool, corners: bool) -> Option<MethodKind> {
+    Some(MethodKind { total, corners })
+}
+
+/// All methods.
+pub const METHODS: &[Style<MethodKind>] = &[
     Style {
         name: "ulmpm",
         usage: "sub, shape [, alpha] [, option ...]",
@@ -44,7 +57,7 @@ pub const METHODS: &[Style<bool>] = &[
         manual: "\
 Bodies that meet share nodes, which makes contact without slip; `contact` lets them slide. Shapes: linear, quadratic-spline,
 cubic-spline. Source: Sulsky, Chen, Schreyer 1994.",
-        build: Some(false),
+        build: kind(false, false),
     },
     Style {
         name: "tlmpm",
@@ -57,20 +70,29 @@ forces are -sum V0 P grad0 N with P = J sigma F^-T. The increment of strain is t
 and so counts (dt omega)^2/2 per step too much in a body that spins with omega: take dt small, or
 `neo-hookean`, whose stress has no memory, for bodies that spin fast. Shapes: linear, quadratic-spline, cubic-spline,
 Bernstein-quadratic. Source: de Vaucorbeil, Nguyen, Hutchinson 2020.",
-        build: Some(true),
+        build: kind(true, false),
     },
     Style {
         name: "ulcpdi",
-        usage: "sub, shape [, alpha] [, option ...]",
-        summary: "updated Lagrangian with particle domains",
-        manual: "",
-        build: None,
+        usage: "sub, linear [, alpha] [, R4|Q4|T3|R8|H8|Tet4] [, option ...]",
+        summary: "updated Lagrangian with particle domains (CPDI)",
+        manual: "\
+A particle sees the nodes through the corners of its domain: N_I = sum_c w_c N(x_c), grad N_I = sum_c g_c
+N(x_c), N the hats. No noise of cell crossing, and a body that stretches stays in one piece, since
+domains stretch with it. Domains: `R4` (default; `R8` in 3-D), `Q4`, `T3`, `H8`, `Tet4`: see `karamelo-rs styles
+domain`. The lattice has one more layer of nodes around the box; a corner beyond it, or more than 8
+cells away from its particle, is moved to the nearest place within, for the weights of that step: the
+run says so once. Nodes held at a border must lie in the region too (`INF` reaches the layer).
+Source: Sadeghirad, Brannon, Burghardt 2011.",
+        build: kind(false, true),
     },
     Style {
         name: "tlcpdi",
-        usage: "sub, shape [, alpha] [, option ...]",
-        summary: "total Lagrangian with particle domains",
-        manual: "",
-        build: None,
+        usage: "sub, linear [, alpha] [, R4|Q4|T3|R8|H8|Tet4] [, option ...]",
+        summary: "total Lagrangian with particle domains (CPDI)",
+        manual: "\
+As `tlmpm`, with weights through the corners that the domains had at the start: see `ulcpdi`.
+Source: de Vaucorbeil et al. 2020.",
+        build: kind(true, true),
     },
 ];

@@ -12,9 +12,9 @@ use crate::fix::Fix;
 use crate::kernel::contact::Velocities;
 use crate::kernel::gather::{self, Gather};
 use crate::kernel::points::{self, Points};
-use crate::kernel::sort::Sorter;
+use crate::kernel::sort::{Sorter, corner_cells};
 use crate::kernel::tiles::{Report, Tiles};
-use crate::kernel::{conduction, dilation, filter, grid, rigid, scatter, walls};
+use crate::kernel::{advect, conduction, dilation, filter, grid, rigid, scatter, walls};
 use crate::measure::{self, Captured};
 use crate::model::clock::Clock;
 use crate::model::column::Column;
@@ -63,6 +63,10 @@ pub struct Loops {
     pub limits: Vec<Report>,
     /// Particle-steps of this run beyond what an equation of state can describe.
     pub clipped: u64,
+    /// Corners of domains may lie farther from their particles than tiles allow for.
+    pub outgrown: bool,
+    /// The first particle (its id) of this run whose domain was cut, and when.
+    pub cut: Option<(u32, f64)>,
     /// Particles of this run that left the box and were removed.
     pub removed: u64,
     /// Times in this run that a particle was reflected by the box.
@@ -278,9 +282,10 @@ impl Parts<'_> {
             return Err(watch::not_finite(self.world, self.is_fragile(), &self.clock));
         }
         if !self.world.method.total {
+            advect::sweep(&mut self.loops.tiles, self.world, self.clock.dt);
             self.loops.travelled += report.farthest / self.world.domain.cell;
             let removed = self.mind_walls()?;
-            if removed || self.loops.travelled > MOVEMENT {
+            if removed || self.loops.travelled > MOVEMENT || self.loops.outgrown {
                 self.sort();
             }
         }
@@ -313,6 +318,7 @@ impl Parts<'_> {
     pub fn sort(&mut self) {
         self.loops.sorter.sort(self.world, &mut self.loops.tiles);
         self.loops.travelled = 0.0;
+        self.loops.outgrown = false;
         self.loops.sorts += 1;
         self.loops.timing.end(Phase::Sort);
     }
@@ -464,6 +470,12 @@ impl Parts<'_> {
     fn sweep_points(&mut self, points: Points) -> Result<(), Fault> {
         let report = points::sweep(&mut self.loops.tiles, self.world, points);
         self.loops.clipped += report.clipped as u64;
+        self.loops.outgrown =
+            corner_cells(report.reach) > self.loops.tiles.corners && self.loops.tiles.corners > 0;
+        if let (Some(particle), None) = (report.cut, self.loops.cut) {
+            let id = self.world.particles.id[particle];
+            self.loops.cut = Some((id, self.clock.time + self.clock.dt));
+        }
         self.loops.timing.end(Phase::Stress);
         if let Some(particle) = report.failed {
             return Err(watch::inverted(self.world, particle, self.is_fragile(), &self.clock));

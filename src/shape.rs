@@ -4,10 +4,13 @@
 //! product rule (language.md 9.7). All axes of a particle are computed together, one per lane.
 
 pub mod bernstein;
+pub mod corners;
 pub mod cubic;
+pub mod gimp;
 pub mod linear;
 pub mod quadratic;
 
+use crate::geometry::element::MOST_CORNERS;
 use crate::math::v4::Wide;
 use crate::style::Style;
 
@@ -76,14 +79,52 @@ pub enum ShapeKind {
     Cubic,
     /// Quadratic Bernstein polynomials on cells with mid nodes.
     Bernstein,
+    /// Hats averaged over boxes that keep their size.
+    Gimp,
+    /// Hats averaged over boxes that stretch with the material.
+    StretchedGimp,
+    /// Hats at the corners of the domains of particles (CPDI).
+    Corners(DomainKind),
+}
+
+/// The domains of particles in CPDI.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DomainKind {
+    /// Lines, parallelograms, boxes with parallel edges: `R4`, `R8`.
+    Parallel,
+    /// Quadrangles, `Q4`; triangles, `T3`, are such with two corners in one place.
+    Quadrangle,
+    /// Tetrahedra, `Tet4`.
+    Tetrahedron,
+    /// Hexahedra, `H8`.
+    Hexahedron,
+}
+
+impl DomainKind {
+    /// Does the grid carry its corners along, each for itself?
+    pub fn has_free_corners(self) -> bool {
+        self != DomainKind::Parallel
+    }
+
+    /// Number of corners in so many dimensions.
+    pub fn corners(self, dimension: usize) -> usize {
+        match self {
+            DomainKind::Parallel => 1 << dimension,
+            DomainKind::Quadrangle | DomainKind::Tetrahedron => 4,
+            DomainKind::Hexahedron => 8,
+        }
+    }
 }
 
 impl ShapeKind {
     /// Nodes per axis that see a particle.
     pub fn width(self) -> usize {
         match self {
-            ShapeKind::Linear => 2,
-            ShapeKind::Quadratic | ShapeKind::Bernstein => 3,
+            ShapeKind::Linear | ShapeKind::Corners(_) => 2,
+            ShapeKind::Quadratic
+            | ShapeKind::Bernstein
+            | ShapeKind::Gimp
+            | ShapeKind::StretchedGimp => 3,
             ShapeKind::Cubic => 4,
         }
     }
@@ -98,12 +139,58 @@ impl ShapeKind {
         matches!(self, ShapeKind::Quadratic | ShapeKind::Cubic)
     }
 
+    /// Do weights depend on the domain of the particle, beside its place?
+    pub fn has_domains(self) -> bool {
+        matches!(self, ShapeKind::Gimp | ShapeKind::StretchedGimp | ShapeKind::Corners(_))
+    }
+
+    /// Do domains follow the material or the grid in updated Lagrangian methods?
+    pub fn has_moving_domains(self) -> bool {
+        matches!(self, ShapeKind::StretchedGimp | ShapeKind::Corners(_))
+    }
+
+    /// Records of the domain of a particle in so many dimensions.
+    pub fn records(self, dimension: usize) -> usize {
+        match self {
+            ShapeKind::Gimp | ShapeKind::StretchedGimp => 1,
+            ShapeKind::Corners(DomainKind::Parallel) => dimension,
+            ShapeKind::Corners(kind) => kind.corners(dimension),
+            _ => 0,
+        }
+    }
+
+    /// The records of the domain of a particle at `place`; `corners` are those of its element, none
+    /// where it is a square or cube with the half edge `half`, of a solid with cells of size `cell`.
+    pub fn domain_of(
+        self,
+        dimension: usize,
+        place: [f64; 3],
+        corners: &[[f64; 3]],
+        half: f64,
+        cell: f64,
+    ) -> [[f64; 4]; MOST_CORNERS] {
+        match self {
+            ShapeKind::Gimp | ShapeKind::StretchedGimp => [[half.min(0.5 * cell); 4]; MOST_CORNERS],
+            ShapeKind::Corners(kind) => kind.records(dimension, place, corners, half),
+            _ => [[0.0; 4]; MOST_CORNERS],
+        }
+    }
+
+    /// Cells of nodes that lattices have around the box.
+    pub fn layers(self) -> usize {
+        usize::from(self.has_domains())
+    }
+
     /// First and last node that particles anywhere in a cell can see, on an axis whose last node
-    /// is `last`.
-    pub fn reach(self, cell: usize, last: usize) -> [usize; 2] {
+    /// is `last`; the corners of their domains lie at most `corners` cells away from them.
+    pub fn reach(self, cell: usize, last: usize, corners: usize) -> [usize; 2] {
         let width = self.width();
         match self {
             ShapeKind::Linear => [cell, cell + 1],
+            ShapeKind::Corners(_) => [cell.saturating_sub(corners), (cell + 1 + corners).min(last)],
+            ShapeKind::Gimp | ShapeKind::StretchedGimp => {
+                [cell.saturating_sub(1), (cell + 2).min(last)]
+            }
             ShapeKind::Bernstein => [2 * cell, 2 * cell + 2],
             ShapeKind::Quadratic | ShapeKind::Cubic => [
                 cell.saturating_sub(1).min((last + 1).saturating_sub(width)),
@@ -133,13 +220,9 @@ pub const SHAPES: &[Style<ShapeKind>] = &[
     row("quadratic-spline", quadratic::SUMMARY, quadratic::MANUAL, ShapeKind::Quadratic),
     row("cubic-spline", cubic::SUMMARY, cubic::MANUAL, ShapeKind::Cubic),
     row("Bernstein-quadratic", bernstein::SUMMARY, bernstein::MANUAL, ShapeKind::Bernstein),
-    reserved("gimp", "uniform particle domains"),
-    reserved("cpgimp", "particle domains that stretch with the material"),
+    row("gimp", gimp::SUMMARY, gimp::MANUAL, ShapeKind::Gimp),
+    row("cpgimp", gimp::STRETCHED_SUMMARY, gimp::STRETCHED_MANUAL, ShapeKind::StretchedGimp),
 ];
-
-const fn reserved(name: &'static str, summary: &'static str) -> Style<ShapeKind> {
-    Style { name, usage: "", summary, manual: "", build: None }
-}
 
 #[cfg(test)]
 mod conformance;

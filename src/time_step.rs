@@ -59,10 +59,22 @@ const RATE: f64 = 0.3;
 /// Largest stable Courant number below 1 for any place of a particle in its cell, from a spectral
 /// analysis of a bar; 1 where it is larger, or where no step is stable ([`is_fragile`]).
 ///
-/// An isolated particle bounds it too: 2/sqrt(d S), S = h^2 sum |grad N|^2/N at the worst place.
-pub fn courant(transfer: &Transfer, usl: bool, shape: ShapeKind, dimension: usize) -> f64 {
+/// An isolated particle bounds it too: 2/sqrt(d S), S = h^2 sum |grad N|^2/N at the worst place. With
+/// domains S <= 2 + 2/l (GIMP), 2 + 1/l (CPDI), l = `half` their smallest half size in cells.
+pub fn courant(
+    transfer: &Transfer,
+    usl: bool,
+    shape: ShapeKind,
+    half: f64,
+    dimension: usize,
+) -> f64 {
     let affine = transfer.is_affine();
+    let of_domains = if affine { 0.70 } else { 0.53 };
     let (analysis, worst) = match shape {
+        ShapeKind::Gimp | ShapeKind::StretchedGimp if affine || usl => {
+            (of_domains, 2.0 + 2.0 / half)
+        }
+        ShapeKind::Corners(_) if affine || usl => (of_domains, 2.0 + 1.0 / half),
         ShapeKind::Quadratic if affine && usl => (1.0, 6.0),
         ShapeKind::Quadratic if affine => (1.0, 6.0),
         ShapeKind::Quadratic if usl => (0.62, 6.0),
@@ -76,7 +88,8 @@ pub fn courant(transfer: &Transfer, usl: bool, shape: ShapeKind, dimension: usiz
 /// Is no step stable for every place of a particle? Hats with strains from v*, and hats or
 /// Bernstein polynomials with affine fields.
 pub fn is_fragile(transfer: &Transfer, usl: bool, shape: ShapeKind) -> bool {
-    !shape.is_spline() && (usl || transfer.is_affine())
+    let products = matches!(shape, ShapeKind::Linear | ShapeKind::Bernstein);
+    products && (usl || transfer.is_affine())
 }
 
 /// The stable step for what the last sweep found: f h s/(c + |v|), f 3 rho h^2/(8 d mu),

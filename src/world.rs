@@ -1,5 +1,6 @@
 //! What a simulation is about: domain, grid, particles, solids, groups.
 
+use crate::geometry::element::SIGNS;
 use crate::material::{Description, LANES, Law, State, StressRate};
 use crate::math::tensor::Tensor;
 use crate::method::Method;
@@ -13,6 +14,7 @@ use crate::model::ledger::Ledger;
 use crate::model::particles::Particles;
 use crate::model::rigid::Rigid;
 use crate::region::Bounds;
+use crate::shape::ShapeKind;
 use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
@@ -111,7 +113,7 @@ impl World {
     /// Columns that a law and its kinematics need.
     pub fn columns_of(&self, law: &dyn Law) -> ColumnSet {
         let mut columns = self.description().columns(law, self.domain.dimension);
-        if columns.contains(Column::F11) {
+        if columns.contains(Column::F11) || self.method.shape == ShapeKind::StretchedGimp {
             columns.extend(self.deformation_columns());
         }
         columns
@@ -135,12 +137,14 @@ impl World {
     /// The lattices that the method needs: one for each solid, or one for all but those that a
     /// contact names.
     pub fn make_lattices(&self) -> Vec<Lattice> {
-        let nodes_per_cell = self.method.shape.nodes_per_cell();
+        let shape = self.method.shape;
+        let lattice =
+            |cells: Domain| Lattice::new(cells.widened(shape.layers()), shape.nodes_per_cell());
         if self.method.total {
-            return self.solids.iter().map(|s| Lattice::new(s.cells, nodes_per_cell)).collect();
+            return self.solids.iter().map(|solid| lattice(solid.cells)).collect();
         }
         let fields = self.solids.iter().map(|solid| solid.lattice + 1).max().unwrap_or(1);
-        vec![Lattice::new(self.domain, nodes_per_cell); fields]
+        vec![lattice(self.domain); fields]
     }
 
     /// Gives each solid its lattice, and groups of nodes of single solids theirs.
@@ -203,6 +207,36 @@ impl World {
     pub fn place(&self, particle: usize) -> [f64; 3] {
         let [x, y, z, _] = self.particles.position[particle];
         [x, y, z]
+    }
+
+    /// Where the corners of the domain of a particle are \[L\] (CPDI; none for other methods). In
+    /// total Lagrangian methods they follow its F.
+    pub fn corners(&self, particle: usize) -> Vec<[f64; 3]> {
+        let ShapeKind::Corners(kind) = self.method.shape else { return Vec::new() };
+        let dimension = self.domain.dimension;
+        let records = &self.particles.domain;
+        let place = self.place(particle);
+        let corner = |c: usize| {
+            let mut offset = [0.0; 3];
+            match kind.has_free_corners() {
+                true => offset.copy_from_slice(&records[c][particle][..3]),
+                false => {
+                    for (axis, record) in records.iter().enumerate().take(dimension) {
+                        for k in 0..3 {
+                            offset[k] += SIGNS[c][axis] * record[particle][k];
+                        }
+                    }
+                }
+            }
+            offset
+        };
+        let deformation = self.method.total.then(|| self.deformation(particle));
+        let moved = |offset: [f64; 3]| match &deformation {
+            Some(f) => std::array::from_fn(|i| (0..3).map(|j| f[(i, j)] * offset[j]).sum::<f64>()),
+            None => offset,
+        };
+        let at = |offset: [f64; 3]| std::array::from_fn(|axis| place[axis] + offset[axis]);
+        (0..kind.corners(dimension)).map(|c| at(moved(corner(c)))).collect()
     }
 
     /// F of a particle; the identity where the scene does not have it.

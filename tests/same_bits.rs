@@ -60,7 +60,7 @@ dump(d, all, grid, 60, g.*.dump, x, y, vx, vy, mass)
 ";
 
 /// Lines in place of `method(...)`: every sweep over particles and nodes is run by one of them.
-const METHODS: [&str; 8] = [
+const METHODS: [&str; 12] = [
     "method(ulmpm, FLIP, linear, 0.99)",
     "method(ulmpm, AFLIP, cubic-spline, 0.99)\nscheme(usl)",
     "method(ulmpm, XPIC, 2, quadratic-spline)\nscheme(usf)\nanti_locking(fbar)",
@@ -69,6 +69,10 @@ const METHODS: [&str; 8] = [
     "method(tlmpm, ASFLIP, cubic-spline, 0.99)",
     "method(ulmpm, FLIP, linear, 0.99, thermo-mechanical)",
     "method(tlmpm, FLIP, quadratic-spline, 0.99, thermo-mechanical)",
+    "method(ulmpm, APIC, gimp)",
+    "method(ulmpm, FLIP, cpgimp, 0.99)",
+    "method(ulcpdi, FLIP, linear, 0.99, H8)\nscheme(usl)",
+    "method(ulcpdi, AFLIP, linear, 0.99, thermo-mechanical)\nanti_locking(fbar)",
 ];
 
 /// Runs the script; gives the bytes of all dumps and the rows of the log.
@@ -134,7 +138,8 @@ fn threads_do_not_change_a_byte_of_bodies_of_revolution() {
         "mohr-coulomb, 2000, 1e6, 0.3, 1e4, 30, 5, 5e3, 1e6, 2e3, 25, 0",
         "drucker-prager, 2000, 1e6, 0.3, 1e4, 30, 5, inner",
     ];
-    let pairs = METHODS.map(|method| (method, metal)).into_iter();
+    let methods = METHODS.into_iter().filter(|method| !method.contains("cpdi"));
+    let pairs = methods.map(|method| (method, metal));
     for (method, law) in pairs.chain(soils.map(|soil| (METHODS[0], soil))) {
         let text = ROUND.replace(METHODS[0], method).replace(metal, law);
         let one = outputs_of(&text, "1", "run(120)");
@@ -214,7 +219,8 @@ fn threads_do_not_change_a_byte_of_bodies_in_contact() {
     let soft = "material(soft, neo-hookean, 1000, 1e5, 0.3, 500, 1e4)";
     let body = "solid(body, region, ball, 2, hard, h)";
     assert!(SCRIPT.contains(soft) && SCRIPT.contains(body));
-    let updated = METHODS.iter().filter(|method| method.contains("ulmpm"));
+    // Domains take shorter steps: the bodies would not meet in so few.
+    let updated = METHODS.iter().filter(|m| m.contains("ulmpm") && !m.contains("gimp"));
     for (method, base) in updated.flat_map(|m| [(m, soft), (m, "material(soft, rigid, 1000)")]) {
         let contact = format!("{body}\ncontact(c, frictional, base, body, 0.3)");
         let text = SCRIPT.replace(METHODS[0], method).replace(soft, base).replace(body, &contact);

@@ -12,6 +12,7 @@ use crate::region::REGIONS;
 use crate::scheme::SCHEMES;
 use crate::script::suggest;
 use crate::shape::SHAPES;
+use crate::shape::corners::DOMAINS;
 use crate::strength::STRENGTH;
 use crate::style::Style;
 use crate::temperature::TEMPERATURE;
@@ -38,11 +39,12 @@ fn entries<B>(table: &'static [Style<B>]) -> Vec<Entry> {
     table.iter().map(entry).collect()
 }
 
-const FAMILIES: [&str; 14] = [
+const FAMILIES: [&str; 15] = [
     "command",
     "method",
     "transfer",
     "shape",
+    "domain",
     "scheme",
     "region",
     "material",
@@ -61,6 +63,7 @@ fn family(name: &str) -> Option<Vec<Entry>> {
         "method" => entries(METHODS),
         "transfer" => entries(TRANSFERS),
         "shape" => entries(SHAPES),
+        "domain" => entries(DOMAINS),
         "scheme" => entries(SCHEMES),
         "region" => entries(REGIONS),
         "material" => entries(MATERIALS),

@@ -3,13 +3,14 @@
 use super::domain::available;
 use super::scene::Scene;
 use super::{Action, action};
-use crate::method::{METHODS, Method};
+use crate::method::{METHODS, Method, MethodKind};
 use crate::model::domain::Domain;
 use crate::scheme::{SCHEMES, SchemeKind};
 use crate::script::arguments::{Args, Name};
 use crate::script::diagnostic::{Code, Diagnostic};
 use crate::script::source::Span;
-use crate::shape::{SHAPES, ShapeKind};
+use crate::shape::corners::{self, DOMAINS};
+use crate::shape::{DomainKind, SHAPES, ShapeKind};
 use crate::simulation::Simulation;
 use crate::style;
 use crate::time_step;
@@ -25,6 +26,17 @@ pub struct Choice {
     pub method: Method,
     /// The transfer.
     pub transfer: Transfer,
+    /// The domain of CPDI, where it was given.
+    pub domain: Option<ChosenDomain>,
+}
+
+/// A domain of CPDI that the script chose.
+#[derive(Clone, Copy)]
+pub struct ChosenDomain {
+    span: Span,
+    dimensions: &'static [usize],
+    /// Corners that the elements of every body must have.
+    pub corners: Option<usize>,
 }
 
 impl Choice {
@@ -40,7 +52,7 @@ impl Default for Choice {
     /// What old scripts without `method` mean: `method(tlmpm, FLIP, linear, 0.99)`.
     fn default() -> Self {
         let method = Method { total: true, ..Method::default() };
-        Self { method, transfer: Transfer::new(TransferKind::Flip, 0.99) }
+        Self { method, transfer: Transfer::new(TransferKind::Flip, 0.99), domain: None }
     }
 }
 
@@ -64,17 +76,24 @@ pub fn method(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnost
     }
     scene.method = Some(Choice::default());
     let word = args.word("a method type")?;
-    let (_, total) = style::find("method", METHODS, &word)?;
+    let (_, MethodKind { total, corners }) = style::find("method", METHODS, &word)?;
     let kind = transfer_kind(args)?;
     let shape = shape(args)?;
     let mut transfer = blend(args, kind, None)?;
-    let mut conducts_heat = false;
+    let mut options = Options::default();
     while args.remaining() > 0 {
-        conducts_heat |= option(args, &mut transfer)?;
+        options.read(args, &mut transfer)?;
     }
-    let method = Method { total, shape: shape.1, conducts_heat, ..Method::default() };
+    let Options { conducts_heat, domain } = options;
+    let kind = kind_of_shape(corners, shape, &domain, &word)?;
+    let method = Method { total, shape: kind, conducts_heat, ..Method::default() };
     check_combination(&method, &transfer, &word, shape.0)?;
-    let choice = Choice { method, transfer };
+    let domain = domain.map(|(name, _)| ChosenDomain {
+        span: name.span,
+        dimensions: corners::dimensions_of(&name.text),
+        corners: corners::corners_of(&name.text),
+    });
+    let choice = Choice { method, transfer, domain };
     scene.method = Some(choice);
     warn_if_fragile(args, scene);
     Ok(action(move |session| choice.take_effect(&mut session.simulation)))
@@ -124,28 +143,95 @@ pub fn blend(
     Ok(transfer)
 }
 
-/// Reads one option of `method`; tells whether it lets heat be conducted.
-fn option(args: &mut Args<'_>, transfer: &mut Transfer) -> Result<bool, Diagnostic> {
-    let known = ["mechanical", "gradient-enhanced", "thermo-mechanical"];
-    let cpdi = ["R4", "Q4", "T3", "R8", "H8", "Tet4"];
-    let number = args.peek().is_some_and(|word| word.parse::<f64>().is_ok());
-    if number && !transfer.kind.takes_blend() {
-        let message = "this sub-method has no blend alpha";
-        return Err(Diagnostic::error(Code::Unread, args.next_span(), message)
-            .label("an argument too many"));
-    }
-    let all: Vec<&str> = known.into_iter().chain(cpdi).collect();
-    let word = available(args, "method option", &all, &known)?;
-    if word.text == "gradient-enhanced" {
-        use TransferKind::{Flip, Pic, Xpic};
-        if !matches!(transfer.kind, Pic | Flip | Xpic(_)) {
-            let message = "`gradient-enhanced` goes with PIC, FLIP and XPIC";
-            return Err(Diagnostic::error(Code::NotCombined, word.span, message)
-                .label("this sub-method carries an affine field already"));
+/// The options of `method`.
+#[derive(Default)]
+struct Options {
+    conducts_heat: bool,
+    domain: Option<(Name, ShapeKind)>,
+}
+
+impl Options {
+    /// Reads one of them.
+    fn read(&mut self, args: &mut Args<'_>, transfer: &mut Transfer) -> Result<(), Diagnostic> {
+        let number = args.peek().is_some_and(|word| word.parse::<f64>().is_ok());
+        if number && !transfer.kind.takes_blend() {
+            let message = "this sub-method has no blend alpha";
+            return Err(Diagnostic::error(Code::Unread, args.next_span(), message)
+                .label("an argument too many"));
         }
-        transfer.gradient_enhanced = true;
+        let mut all = vec!["mechanical", "gradient-enhanced", "thermo-mechanical"];
+        all.extend(DOMAINS.iter().map(|row| row.name));
+        let word = available(args, "method option", &all, &all)?;
+        match word.text.as_str() {
+            "mechanical" => {}
+            "thermo-mechanical" => self.conducts_heat = true,
+            "gradient-enhanced" => {
+                use TransferKind::{Flip, Pic, Xpic};
+                if !matches!(transfer.kind, Pic | Flip | Xpic(_)) {
+                    let message = "`gradient-enhanced` goes with PIC, FLIP and XPIC";
+                    return Err(Diagnostic::error(Code::NotCombined, word.span, message)
+                        .label("this sub-method carries an affine field already"));
+                }
+                transfer.gradient_enhanced = true;
+            }
+            _ => {
+                let (_, kind) = style::find("domain", DOMAINS, &word)?;
+                self.domain = Some((word, kind));
+            }
+        }
+        Ok(())
     }
-    Ok(word.text == "thermo-mechanical")
+}
+
+/// The shape function of a method; CPDI sees hats through the corners of a domain.
+fn kind_of_shape(
+    corners: bool,
+    (span, shape): (Span, ShapeKind),
+    domain: &Option<(Name, ShapeKind)>,
+    method: &Name,
+) -> Result<ShapeKind, Diagnostic> {
+    match (corners, domain) {
+        (false, None) => Ok(shape),
+        (false, Some((word, _))) => {
+            let message = format!("`{}` is a domain of `ulcpdi` and `tlcpdi`", word.text);
+            Err(Diagnostic::error(Code::NotCombined, word.span, message)
+                .label(format!("`{}` has no domains of particles", method.text)))
+        }
+        (true, _) if shape != ShapeKind::Linear => {
+            let message = format!("`{}` goes with `linear` only", method.text);
+            Err(Diagnostic::error(Code::NotCombined, span, message)
+                .label("corners of domains see the nodes through hats"))
+        }
+        (true, Some((_, kind))) => Ok(*kind),
+        (true, None) => Ok(ShapeKind::Corners(DomainKind::Parallel)),
+    }
+}
+
+/// Refuses a domain of another dimension than the problem's, and CPDI where x is a radius.
+pub fn check_domain(
+    choice: &Choice,
+    solid: Span,
+    axisymmetric: bool,
+    dimension: usize,
+) -> Result<(), Diagnostic> {
+    if axisymmetric && matches!(choice.method.shape, ShapeKind::Corners(_)) {
+        let message = "`axisymmetric` does not go with `ulcpdi` and `tlcpdi`";
+        return Err(Diagnostic::error(Code::NotCombined, solid, message)
+            .label("means over its domains know no radius")
+            .help("use `ulmpm` or `tlmpm`, for example with `gimp`"));
+    }
+    match choice.domain {
+        Some(ChosenDomain { span, dimensions, .. }) if !dimensions.contains(&dimension) => {
+            let known =
+                DOMAINS.iter().filter(|row| corners::dimensions_of(row.name).contains(&dimension));
+            let names: Vec<&str> = known.map(|row| row.name).collect();
+            let message = format!("this domain is not for {dimension} dimensions");
+            Err(Diagnostic::error(Code::DimensionMismatch, span, message)
+                .label("another number of dimensions")
+                .help(format!("in {dimension} dimensions: {}", names.join(", "))))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Refuses what language.md 6.2 refuses.
@@ -160,6 +246,12 @@ fn check_combination(
         return Err(Diagnostic::error(Code::NotCombined, shape, message)
             .label("its slope jumps where particles cross cells")
             .help("use `tlmpm`, or a spline"));
+    }
+    if method.shape == ShapeKind::StretchedGimp && method.total {
+        let message = format!("`cpgimp` with `{}` would be the same as `gimp`", word.text);
+        return Err(Diagnostic::error(Code::NotCombined, shape, message)
+            .label("weights belong to the reference places")
+            .help("use `gimp`"));
     }
     if transfer.kind == TransferKind::Mls && !method.shape.is_spline() {
         let message = "`MLS` needs `quadratic-spline` or `cubic-spline`";
@@ -188,7 +280,7 @@ pub fn check_nodes(cells: &Domain, shape: ShapeKind, span: Span) -> Result<(), D
 
 /// Warns where no time step is stable for every place of a particle.
 fn warn_if_fragile(args: &mut Args<'_>, scene: &Scene) {
-    let Some(Choice { method, transfer }) = scene.method else { return };
+    let Some(Choice { method, transfer, .. }) = scene.method else { return };
     let usl = scene.scheme == SchemeKind::Usl;
     let pushed = scene.scheme == SchemeKind::Usf && transfer.gradient_enhanced;
     if pushed && transfer.kind == TransferKind::Flip {

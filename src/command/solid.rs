@@ -1,7 +1,7 @@
 //! `solid`: bodies from regions, meshes and lists.
 
 use super::domain::check_cells;
-use super::method::check_nodes;
+use super::method::{Choice, check_domain, check_nodes};
 use super::scene::{Scene, SolidEntry};
 use super::{Action, action, files};
 use crate::geometry::{Mistake, Point, Points, gmsh, list};
@@ -57,8 +57,10 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
     let mut domain = scene.need_domain(args.command)?;
     let default_method = scene.method.is_none();
     let choice = scene.need_method(args);
+    check_domain(&choice, args.command.span, scene.axisymmetric, domain.dimension)?;
     let form = form_of_solid(args, scene, &id, domain.dimension);
     let body = read_body(args, scene, form, domain.dimension)?;
+    check_elements(&body, &choice)?;
     let material = args.word("a material ID")?;
     let law = scene.materials.find(&material)?.1.clone();
     let cell = args.positive("the cell size h")?;
@@ -208,8 +210,9 @@ fn read_body(
         let points = spread(args, region.as_ref(), &name, dimension)?;
         return Ok(Body { name, count, filling: Filling::Points(Arc::new(points)) });
     }
+    let even = scene.method.is_some_and(|choice| choice.method.shape.has_domains());
     let particles_per_cell = args.count("the number of particles per cell and axis", 1)? as usize;
-    Ok(Body { name, count, filling: Filling::Region { region, particles_per_cell } })
+    Ok(Body { name, count, filling: Filling::Region { region, particles_per_cell, even } })
 }
 
 /// So many particles per axis, spread evenly over the bounding box of a region.
@@ -268,6 +271,28 @@ fn follow_solid(
     Ok(())
 }
 
+/// Refuses bodies whose particles cannot have the domains of the method.
+fn check_elements(body: &Body, choice: &Choice) -> Result<(), Diagnostic> {
+    let Some(needed) = choice.domain.and_then(|domain| domain.corners) else { return Ok(()) };
+    let fits = match &body.filling {
+        Filling::Region { .. } => false,
+        Filling::Points(points) => {
+            let all = points.corners.iter().all(|corners| corners.places().len() == needed);
+            all && !points.corners.is_empty()
+        }
+    };
+    if fits {
+        return Ok(());
+    }
+    let (message, help) = match needed {
+        3 => ("`T3` needs a mesh of triangles", "`Q4` takes any body"),
+        _ => ("`Tet4` needs a mesh of tetrahedra", "`H8` takes any body"),
+    };
+    Err(Diagnostic::error(Code::NotCombined, body.name.span, message)
+        .label("its particles have other corners")
+        .help(help))
+}
+
 /// Refuses a body without bounds.
 fn check_bounded(cells: &Domain, name: &Name) -> Result<(), Diagnostic> {
     let bounded = (0..cells.dimension)
@@ -283,7 +308,7 @@ fn check_bounded(cells: &Domain, name: &Name) -> Result<(), Diagnostic> {
 
 /// Refuses more particles than memory can hold, before any is made.
 fn check_size(domain: &Domain, body: &Body, args: &Args<'_>) -> Result<(), Diagnostic> {
-    let Filling::Region { region, particles_per_cell } = &body.filling else {
+    let Filling::Region { region, particles_per_cell, .. } = &body.filling else {
         return Ok(());
     };
     let bounds = region.bounds();

@@ -24,6 +24,18 @@ pub enum Family {
 /// Most corners of an element.
 pub const MOST_CORNERS: usize = 8;
 
+/// Signs of the corners of a cube, counter-clockwise from (-, -, -), the lower four first.
+pub const SIGNS: [[f64; 3]; MOST_CORNERS] = [
+    [-1.0, -1.0, -1.0],
+    [1.0, -1.0, -1.0],
+    [1.0, 1.0, -1.0],
+    [-1.0, 1.0, -1.0],
+    [-1.0, -1.0, 1.0],
+    [1.0, -1.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [-1.0, 1.0, 1.0],
+];
+
 impl Family {
     /// Its dimension.
     pub fn dimension(self) -> usize {
@@ -224,16 +236,6 @@ fn add(a: Place, b: Place) -> Place {
 /// the moment of degree 3, which two Gauss points per axis integrate exactly; elements with fewer
 /// corners are images with corners that coincide.
 fn hexahedron(corners: [Place; MOST_CORNERS]) -> Measure {
-    const SIGNS: [Place; MOST_CORNERS] = [
-        [-1.0, -1.0, -1.0],
-        [1.0, -1.0, -1.0],
-        [1.0, 1.0, -1.0],
-        [-1.0, 1.0, -1.0],
-        [-1.0, -1.0, 1.0],
-        [1.0, -1.0, 1.0],
-        [1.0, 1.0, 1.0],
-        [-1.0, 1.0, 1.0],
-    ];
     let gauss = (1.0f64 / 3.0).sqrt();
     let origin = corners[0];
     let arms = corners.map(|corner| minus(corner, origin));

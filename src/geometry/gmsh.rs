@@ -2,7 +2,7 @@
 
 use super::element::{Family, KINDS, Kind, MOST_CORNERS, is_straight, measure};
 use super::words::{Words, shown};
-use super::{Mistake, Point, Points, place_in_words};
+use super::{Corners, Mistake, Point, Points, place_in_words};
 use std::collections::{HashMap, HashSet};
 
 /// An element of the problem's dimension.
@@ -107,6 +107,7 @@ impl Mesh {
             let mut place = found.centroid;
             place[self.dimension..].fill(0.0);
             points.list.push(Point { place, volume: found.volume.abs() });
+            points.corners.push(Corners::new(&corners));
         }
         let remarks = &mut points.remarks;
         if upright > 0 {

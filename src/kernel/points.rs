@@ -2,6 +2,7 @@
 
 use super::by_space;
 use super::chunk::{SCRATCH, Scratch, stresses};
+use super::domains;
 use super::ledger::advance_and_book;
 use super::scatter::Parcel;
 use super::shared::Shared;
@@ -17,6 +18,7 @@ use crate::model::column::{COLUMNS, Column, ColumnSet};
 use crate::model::grid::Node;
 use crate::model::ledger::Share;
 use crate::model::particles::DOMAIN_RECORDS;
+use crate::shape::{DomainKind, ShapeKind};
 use crate::world::{Solid, World};
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -66,6 +68,7 @@ pub fn sweep(tiles: &mut Tiles, world: &mut World, points: Points) -> Report {
 struct Lent<'a> {
     position: Shared<'a, [f64; 4]>,
     domain: [Shared<'a, [f64; 4]>; DOMAIN_RECORDS],
+    carried: [Shared<'a, [f64; 4]>; DOMAIN_RECORDS],
     matrix: [Shared<'a, [f64; 4]>; 3],
     columns: [Shared<'a, f64>; COLUMNS],
     nodes: Shared<'a, Node>,
@@ -81,6 +84,7 @@ struct Seen<'a> {
     solid: &'a [u16],
     mapped: &'a [[f64; 4]],
     dilation: &'a [f64],
+    shape: ShapeKind,
     solids: &'a [Solid],
     present: ColumnSet,
     description: Description,
@@ -92,7 +96,7 @@ fn sweep_of<const D: usize, const ROUND: bool, F: Footprint<D>>(
     points: Points,
 ) -> Report {
     let description = world.description();
-    let World { particles, grid, solids, ledger, .. } = world;
+    let World { particles, grid, solids, ledger, method, .. } = world;
     let seen = Seen {
         velocity: &particles.velocity,
         displacement: &particles.displacement,
@@ -100,6 +104,7 @@ fn sweep_of<const D: usize, const ROUND: bool, F: Footprint<D>>(
         solid: &particles.solid,
         mapped: &grid.mapped,
         dilation: &grid.dilation,
+        shape: method.shape,
         solids,
         present: particles.present,
         description,
@@ -109,6 +114,7 @@ fn sweep_of<const D: usize, const ROUND: bool, F: Footprint<D>>(
     let lent = Lent {
         position: Shared::new(&mut particles.position),
         domain: particles.domain.each_mut().map(|record| Shared::new(record)),
+        carried: particles.carried.each_mut().map(|record| Shared::new(record)),
         matrix: std::array::from_fn(|_| Shared::new(matrix.next().map_or(&mut [], |c| c))),
         columns: std::array::from_fn(|_| Shared::new(columns.next().map_or(&mut [], |c| c))),
         nodes: Shared::new(&mut grid.nodes),
@@ -176,14 +182,20 @@ impl<const D: usize, const ROUND: bool, F: Footprint<D>> Sweep for Part<'_, D, R
         if stress {
             match (self.points.matrix_is_gradient, self.points.moments) {
                 (true, _) => self.take_matrix(),
-                (false, true) => self.gradients::<V, true>(),
-                (false, false) => self.gradients::<V, false>(),
+                (false, true) if F::MOMENTS => self.gradients::<V, true>(),
+                (false, _) => self.gradients::<V, false>(),
             }
             self.update::<V>();
             self.store::<V>(set);
+            if F::RECORDS > 0 && self.seen.description != Description::Total {
+                self.stretch_domains();
+            }
         }
         if advance {
             self.advance::<V>();
+            if F::RECORDS > 0 && self.seen.description != Description::Total {
+                self.advance_domains();
+            }
         }
         if force {
             if !stress {
@@ -194,6 +206,10 @@ impl<const D: usize, const ROUND: bool, F: Footprint<D>> Sweep for Part<'_, D, R
             stresses(self.seen.description, &*self.solid.law, factor, self.scratch);
         }
         match (motion, force, self.points.affine) {
+            // With domains one piece of code serves all cases: what is not asked for is 0.
+            (true, _, true) if F::RECORDS > 0 => self.scatter::<V, true, true, true>(),
+            (true, _, _) | (_, true, _) if F::RECORDS > 0 => self.scatter::<V, true, true, false>(),
+            _ if F::RECORDS > 0 => {}
             (true, true, false) => self.scatter::<V, true, true, false>(),
             (true, true, true) => self.scatter::<V, true, true, true>(),
             (true, false, false) => self.scatter::<V, true, false, false>(),
@@ -418,6 +434,70 @@ impl<'a, const D: usize, const ROUND: bool, F: Footprint<D>> Part<'a, D, ROUND, 
         }
     }
 
+    /// What domains that follow the material change by: half edges by dt L r, half sizes to l U_ii, at
+    /// most h/2.
+    fn stretch_domains(&mut self) {
+        let (dt, range) = (self.points.dt, self.range.clone());
+        let Scratch { state, gradient, .. } = &*self.scratch;
+        let lent = self.lent;
+        let records = lent.domain[..F::RECORDS].iter().zip(&lent.carried);
+        match self.seen.shape {
+            ShapeKind::Corners(DomainKind::Parallel) => {
+                for (record, carried) in records {
+                    // SAFETY: as in `places`.
+                    let (edges, changes) =
+                        unsafe { (record.part(range.clone()), carried.part(range.clone())) };
+                    for (p, (edge, change)) in edges.iter().zip(changes).enumerate().take(LANES) {
+                        *change = domains::stretch::<D>(edge, gradient, dt, p);
+                    }
+                }
+            }
+            ShapeKind::StretchedGimp => {
+                // SAFETY: as in `places`.
+                let (sizes, changes) =
+                    unsafe { (lent.domain[0].part(range.clone()), lent.carried[0].part(range)) };
+                let most = 0.5 * self.frame.spacing;
+                for (p, (half, change)) in sizes.iter().zip(changes).enumerate().take(LANES) {
+                    let new = domains::half_sizes(half[3], &state.deformation(p), most);
+                    for axis in 0..3 {
+                        change[axis] = new[axis] - half[axis];
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Domains change with the places of their particles; then how far corners reach.
+    fn advance_domains(&mut self) {
+        let range = self.range.clone();
+        for (record, carried) in self.lent.domain[..F::RECORDS].iter().zip(&self.lent.carried) {
+            if carried.is_empty() {
+                return;
+            }
+            // SAFETY: as in `places`.
+            let (records, changes) =
+                unsafe { (record.part(range.clone()), carried.part(range.clone())) };
+            for (record, change) in records.iter_mut().zip(changes) {
+                for (entry, change) in record.iter_mut().zip(change) {
+                    *entry += *change;
+                }
+            }
+        }
+        if !matches!(self.seen.shape, ShapeKind::Corners(_)) {
+            return;
+        }
+        let (records, places) = (self.domains(), self.places());
+        let inverse = self.frame.inverse_spacing;
+        for p in 0..range.len() {
+            let extent = domains::extent(&records, self.seen.shape, p);
+            let reach = inverse * extent.into_iter().fold(0.0, f64::max);
+            self.report.reach = self.report.reach.max(reach);
+            let cut = self.frame.cuts(&places[p], extent, D);
+            self.report.cut = self.report.cut.or(cut.then_some(range.start + p));
+        }
+    }
+
     /// P2G of mass and momentum, and of forces.
     #[inline(always)]
     fn scatter<V: Wide, const MOTION: bool, const FORCE: bool, const AFFINE: bool>(&mut self) {
@@ -426,7 +506,11 @@ impl<'a, const D: usize, const ROUND: bool, F: Footprint<D>> Part<'a, D, ROUND, 
         }
         let (frame, nodes) = (self.frame, self.lent.nodes);
         let spacing = V::splat(frame.spacing);
-        let moments = FORCE && self.points.moments;
+        let moments = FORCE && F::MOMENTS && self.points.moments;
+        if F::RECORDS > 0 && !self.points.force {
+            self.scratch.records = [[[0.0; 4]; LANES]; 3];
+        }
+        let carried = F::RECORDS > 0 && !self.points.motion;
         let records = &self.scratch.records;
         // Indices below LANES and slices of one length: the loop needs no further checks.
         let len = self.range.len().min(LANES);
@@ -435,7 +519,7 @@ impl<'a, const D: usize, const ROUND: bool, F: Footprint<D>> Part<'a, D, ROUND, 
         for p in 0..len {
             let (place, v) = (&places[p], &velocity[p]);
             let mut support = F::at::<V>(&frame, place, &domains, p);
-            let mass = V::splat(place[3]);
+            let mass = V::splat(if carried { 0.0 } else { place[3] });
             let mut parcel = Parcel {
                 motion: mass * V::load(v).with_last(V::splat(1.0)),
                 spread: [V::splat(0.0); D],

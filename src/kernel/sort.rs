@@ -5,7 +5,7 @@
 
 use super::stencil::Frame;
 use super::surfaces::find_couples;
-use super::tiles::{COLOURS, Order, Report, SMALLEST_PARALLEL, Tiles};
+use super::tiles::{COLOURS, Order, Report, SMALLEST_PARALLEL, Tiles, side};
 use crate::model::grid::{Grid, Keeps, Node};
 use crate::model::lattice::{Lattice, Window};
 use crate::model::particles::Particles;
@@ -81,13 +81,22 @@ impl Sorter {
         let lattices = &grid.lattices;
         let (total, shape) = (method.total, method.shape);
         let mut orders = std::mem::take(&mut self.orders);
+        tiles.corners = match shape {
+            ShapeKind::Corners(_) => {
+                corner_cells(farthest_corner(particles, lattices, shape, solids))
+            }
+            _ => 0,
+        };
+        let side = side(shape, tiles.corners);
         orders.clear();
-        orders.extend(lattices.iter().map(|lattice| Order::new(&lattice.cells, shape)));
+        orders.extend(lattices.iter().map(|lattice| Order::new(&lattice.cells, side)));
         self.order(&orders, lattices, &Places { particles, solids, total }, tiles);
         self.permute(particles, tiles.parallel);
         let places = Places { particles, solids, total };
         self.find_bounds(&orders, lattices, &places, tiles.parallel);
-        self.fit(&orders, &places, shape, grid);
+        let movement = if total { 0 } else { 1 };
+        let reach = Reach { shape, movement, corners: tiles.corners };
+        self.fit(&orders, &places, &reach, grid);
         self.orders = orders;
         if world.grid.keeps.contact {
             find_couples(&mut world.grid, &self.old.couples, &world.contacts.pairs);
@@ -96,7 +105,15 @@ impl Sorter {
         }
         let walls = (!total).then_some(&world.domain);
         tiles.frames.clear();
-        tiles.frames.extend(world.grid.lattices.iter().map(|lattice| Frame::new(lattice, walls)));
+        let count = match shape {
+            ShapeKind::Corners(kind) => kind.corners(world.domain.dimension),
+            _ => 0,
+        };
+        let reach = tiles.corners;
+        tiles.frames.extend(world.grid.lattices.iter().map(|l| Frame::new(l, walls, reach)));
+        for frame in &mut tiles.frames {
+            frame.count = count;
+        }
         world.grid.gather_groups(&world.groups);
         let World { particles, solids, rigid, .. } = world;
         if solids.iter().any(|solid| solid.rigid) {
@@ -204,13 +221,11 @@ impl Sorter {
     }
 
     /// Fits the windows and their active runs to the cells of the particles.
-    fn fit(&mut self, orders: &[Order], places: &Places<'_>, shape: ShapeKind, grid: &mut Grid) {
+    fn fit(&mut self, orders: &[Order], places: &Places<'_>, reach: &Reach, grid: &mut Grid) {
         std::mem::swap(grid, &mut self.old);
         grid.keeps = self.old.keeps;
         grid.mass_cutoff = self.old.mass_cutoff;
         grid.lattices.clone_from(&self.old.lattices);
-        let movement = if places.total { 0 } else { 1 };
-        let reach = Reach { shape, movement };
         let mut start = 0;
         for (lattice, bounds) in grid.lattices.iter_mut().zip(&self.bounds) {
             lattice.window = reach.window(lattice, bounds, start);
@@ -226,7 +241,7 @@ impl Sorter {
             }
             let (low, size) = reach.cells(lattice, &bounds);
             mark_cells(&mut self.marks[0], &orders[number], lattice, places, number, low, size);
-            dilate_all(&mut self.marks, lattice, &reach, low, size);
+            dilate_all(&mut self.marks, lattice, reach, low, size);
             add_runs(&mut grid.runs, &self.marks[0], lattice.window.start);
         }
         index_runs(grid);
@@ -292,10 +307,37 @@ fn permute<T: Copy + Default + Send + Sync>(
     std::mem::swap(column, spare);
 }
 
+/// Most cells that a corner of a domain may lie away from its particle: beyond, it is moved there.
+pub const MOST_CORNER_CELLS: usize = 8;
+
+/// Cells for corners that lie at most `farthest` cells away from their particles now: a domain grows
+/// by 0.3 of its size in a step at most.
+pub fn corner_cells(farthest: f64) -> usize {
+    ((1.3 * farthest).ceil() as usize).clamp(1, MOST_CORNER_CELLS)
+}
+
+/// Largest distance of a corner from its particle on one axis, in cells.
+fn farthest_corner(
+    particles: &Particles,
+    lattices: &[Lattice],
+    shape: ShapeKind,
+    solids: &[Solid],
+) -> f64 {
+    let mut farthest = 0.0f64;
+    for p in 0..particles.len() {
+        let lattice = &lattices[solids[particles.solid[p] as usize].lattice];
+        for extent in super::domains::extent(&particles.domain, shape, p) {
+            farthest = farthest.max(extent / lattice.cells.cell);
+        }
+    }
+    farthest
+}
+
 /// Which nodes particles can reach before the next sort.
 struct Reach {
     shape: ShapeKind,
     movement: usize,
+    corners: usize,
 }
 
 impl Reach {
@@ -304,7 +346,8 @@ impl Reach {
         let last = count * self.shape.nodes_per_cell();
         let low = cells[0].saturating_sub(self.movement);
         let high = (cells[1] + self.movement).min(count - 1);
-        [self.shape.reach(low, last)[0], self.shape.reach(high, last)[1]]
+        let reach = |cell| self.shape.reach(cell, last, self.corners);
+        [reach(low)[0], reach(high)[1]]
     }
 
     /// The window of nodes that particles in these cells can reach.

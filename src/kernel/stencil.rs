@@ -4,7 +4,7 @@ use super::shared::{Rows, RowsMut, Shared};
 use crate::math::v4::Wide;
 use crate::model::domain::Domain;
 use crate::model::lattice::Lattice;
-use crate::shape::{EDGE, Shape, Weights};
+use crate::shape::{EDGE, Linear, Shape, Weights, gimp};
 
 /// What a kernel must know of a lattice to find the nodes of a particle.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +17,12 @@ pub struct Frame {
     pub spacing: f64,
     /// Corners of the box that particles must not leave \[L\].
     pub walls: [[f64; 4]; 2],
+    /// Upper corner of the lattice \[L\].
+    upper: [f64; 4],
+    /// How far the corners of a particle's domain may lie from it \[L\].
+    pub reach: f64,
+    /// Number of corners of the domain of a particle; 0 without domains.
+    pub count: usize,
     /// Last node per axis of the whole lattice; 1 beyond the dimension.
     last: [f64; 4],
     /// Place in memory that node 0 of the whole lattice would have.
@@ -26,8 +32,9 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The frame of a lattice; `walls`: the box that particles must not leave, if any.
-    pub fn new(lattice: &Lattice, walls: Option<&Domain>) -> Self {
+    /// The frame of a lattice; `walls`: the box that particles must not leave, if any; `reach`: how
+    /// many cells the domain of a particle may reach.
+    pub fn new(lattice: &Lattice, walls: Option<&Domain>, reach: usize) -> Self {
         let wide = |c: [f64; 3]| [c[0], c[1], c[2], 0.0];
         let window = &lattice.window;
         let [_, ny, nz] = window.size;
@@ -38,6 +45,12 @@ impl Frame {
                 true => lattice.cells.lower[axis],
                 false => -1.5 * lattice.spacing,
             }),
+            upper: std::array::from_fn(|axis| match axis < lattice.cells.dimension {
+                true => lattice.place(lattice.nodes.map(|count| count - 1))[axis],
+                false => 1.5 * lattice.spacing,
+            }),
+            reach: reach as f64 * lattice.cells.cell,
+            count: 0,
             inverse_spacing: 1.0 / lattice.spacing,
             spacing: lattice.spacing,
             walls: match walls {
@@ -72,8 +85,53 @@ impl Frame {
         &self,
         position: V,
     ) -> Stencil<D, W> {
-        let r = (position - V::load(&self.lower)) * V::splat(self.inverse_spacing);
-        let axes = S::weights(r, V::load(&self.last));
+        self.stencil_of::<V, D, W>(S::weights(self.in_spacings(position), V::load(&self.last)))
+    }
+
+    /// The nodes around a particle whose box has the half sizes `half` \[L\] (GIMP).
+    #[inline(always)]
+    pub fn boxed<V: Wide, const D: usize>(&self, position: V, half: V) -> Stencil<D, 3> {
+        let half = half * V::splat(self.inverse_spacing);
+        let r = self.in_spacings(position);
+        self.stencil_of::<V, D, 3>(gimp::weights(r, half, V::load(&self.last)))
+    }
+
+    /// The hats around a corner of a particle's domain, which must lie in the lattice.
+    #[inline(always)]
+    pub fn around<V: Wide, const D: usize>(&self, corner: V) -> Stencil<D, 2> {
+        self.stencil::<V, D, 2, Linear>(corner)
+    }
+
+    /// A corner of the domain of a particle, or where the particle's tile and the lattice end on the
+    /// way to it.
+    #[inline(always)]
+    pub fn corner<V: Wide>(&self, position: V, offset: V) -> V {
+        let reach = V::splat(self.reach);
+        let offset = offset.smaller(reach).larger(V::splat(0.0) - reach);
+        (position + offset).larger(V::load(&self.lower)).smaller(V::load(&self.upper))
+    }
+
+    /// Can corners of a particle's domain lie beyond the lattice or its tile, being so far away from
+    /// it along each axis?
+    pub fn cuts(&self, place: &[f64; 4], extent: [f64; 3], axes: usize) -> bool {
+        (0..axes).any(|axis| {
+            let (low, high) = (place[axis] - extent[axis], place[axis] + extent[axis]);
+            low < self.lower[axis] || high > self.upper[axis] || extent[axis] > self.reach
+        })
+    }
+
+    /// Distance from node 0 in node spacings.
+    #[inline(always)]
+    fn in_spacings<V: Wide>(&self, position: V) -> V {
+        (position - V::load(&self.lower)) * V::splat(self.inverse_spacing)
+    }
+
+    /// The nodes of weights; those outside the window give places beyond its memory.
+    #[inline(always)]
+    fn stencil_of<V: Wide, const D: usize, const W: usize>(
+        &self,
+        axes: Weights<W>,
+    ) -> Stencil<D, W> {
         let first = (V::load(&axes.first) + V::splat(SHIFT)).array();
         let mut base = self.origin.wrapping_add(low_bits(first[D - 1]));
         for axis in 0..D - 1 {
@@ -228,7 +286,7 @@ mod tests {
     use super::*;
     use crate::math::v4::Plain;
     use crate::model::lattice::Window;
-    use crate::shape::{Cubic, Linear, Quadratic};
+    use crate::shape::{Cubic, Quadratic};
 
     fn reproduces<const W: usize, S: Shape<W>>(place: [f64; 3]) {
         let cells = Domain { dimension: 3, lower: [-1.0; 3], upper: [1.0, 2.0, 3.0], cell: 0.5 };
@@ -236,7 +294,7 @@ mod tests {
         let lattice = Lattice { window, ..Lattice::new(cells, 1) };
         let at = |place: usize| lattice.place(window.node(place));
         let field = |x: [f64; 3]| 2.0 * x[0] - 3.0 * x[1] + 0.5 * x[2] + 1.0;
-        let frame = Frame::new(&lattice, Some(&cells));
+        let frame = Frame::new(&lattice, Some(&cells), 1);
         let stencil =
             frame.stencil::<_, 3, W, S>(Plain::load(&[place[0], place[1], place[2], 0.0]));
         let nodes: Vec<[f64; 3]> =

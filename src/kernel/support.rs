@@ -23,6 +23,9 @@ pub trait Footprint<const D: usize>: Sync {
     /// Records of a domain that the weights depend on.
     const RECORDS: usize;
 
+    /// Affine fields are fitted with moments of the weights in place of gradients.
+    const MOMENTS: bool = false;
+
     /// The nodes of one particle with their weights.
     type Support: Support<D>;
 
@@ -117,11 +120,32 @@ pub trait Support<const D: usize>: Copy {
     fn each_slope(&self, visit: impl FnMut(usize, f64, [f64; 3], [f64; 3]));
 }
 
+/// Hats averaged over the box of a particle; the record holds its half sizes.
+pub struct Boxed;
+
+impl<const D: usize> Footprint<D> for Boxed {
+    const RECORDS: usize = 1;
+
+    type Support = Stencil<D, 3>;
+
+    #[inline(always)]
+    fn at<V: Wide>(
+        frame: &Frame,
+        place: &[f64; 4],
+        records: &Records<'_>,
+        p: usize,
+    ) -> Self::Support {
+        frame.boxed::<V, D>(V::load(place), V::load(&records[0][p]))
+    }
+}
+
 /// Weights that are products over the axes, from the place alone.
 pub struct Tensor<const W: usize, S>(PhantomData<S>);
 
 impl<const D: usize, const W: usize, S: Shape<W> + Sync> Footprint<D> for Tensor<W, S> {
     const RECORDS: usize = 0;
+
+    const MOMENTS: bool = S::MOMENTS;
 
     type Support = Stencil<D, W>;
 

@@ -306,6 +306,50 @@ impl<const D: usize, const W: usize> Support<D> for Stencil<D, W> {
 }
 
 impl<const D: usize, const W: usize> Stencil<D, W> {
+    /// motion += N (m v, m), force += N force; with an affine field m v is that at the particle.
+    #[inline(always)]
+    pub fn scatter_values<V: Wide, const MOTION: bool, const FORCE: bool, const AFFINE: bool>(
+        &self,
+        mut motion: V,
+        spread: [V; D],
+        force: V,
+        nodes: Shared<'_, Node>,
+    ) {
+        let (last, across) = (D - 1, Self::ACROSS);
+        if AFFINE {
+            for axis in 0..D {
+                motion = V::splat(-self.offset(axis)).mul_add(spread[axis], motion);
+            }
+        }
+        // SAFETY: tiles of one colour share no node (see `tiles`).
+        let mut rows = unsafe { self.of_shared(&nodes) };
+        for i in 0..Self::PLANES {
+            for j in 0..Self::ROWS {
+                let mut motion = motion;
+                if AFFINE && D > 1 {
+                    motion = V::splat(j as f64).mul_add(spread[across], motion);
+                }
+                if AFFINE && D == 3 {
+                    motion = V::splat(i as f64).mul_add(spread[0], motion);
+                }
+                let nodes = rows.row(i, j);
+                for k in 0..W {
+                    let weight = V::splat(self.weight(i, j, k));
+                    let node = &mut nodes[k];
+                    if MOTION {
+                        weight.mul_add(motion, V::load(&node.motion)).store(&mut node.motion);
+                    }
+                    if FORCE {
+                        weight.mul_add(force, V::load(&node.change)).store(&mut node.change);
+                    }
+                    if AFFINE {
+                        motion = motion + spread[last];
+                    }
+                }
+            }
+        }
+    }
+
     /// What plane `i` gets: all but the force along the first axis is weighted with N, that force
     /// with dN/dr.
     #[inline(always)]

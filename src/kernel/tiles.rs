@@ -19,9 +19,15 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// A tile of `side` cells touches nodes from `side + 2` cells (one cell of movement on either side)
 /// and those that the shape reaches beyond them: one node above for hats; one below and two above
 /// for splines, one more in the cells at the ends of the lattice. The next tile of the same colour
-/// begins 2 `side` cells further, so hats need 4 cells and splines 6.
-pub fn side(shape: ShapeKind) -> usize {
-    if shape.is_spline() { 6 } else { 4 }
+/// begins 2 `side` cells further, so hats need 4 cells and splines 6. Corners of domains that lie up
+/// to `corners` cells away from their particle need 3 + 2 `corners`.
+pub fn side(shape: ShapeKind, corners: usize) -> usize {
+    match shape {
+        ShapeKind::Linear | ShapeKind::Bernstein => 4,
+        ShapeKind::Quadratic | ShapeKind::Cubic => 6,
+        ShapeKind::Gimp | ShapeKind::StretchedGimp => 6,
+        ShapeKind::Corners(_) => 3 + 2 * corners,
+    }
 }
 
 /// Number of colours.
@@ -49,6 +55,10 @@ pub struct Report {
     pub diffusivity: f64,
     /// Particles compressed beyond what their equation of state can describe.
     pub clipped: usize,
+    /// Largest distance of a corner of a domain from its particle, on one axis, in cells.
+    pub reach: f64,
+    /// Place in the table of a particle with a corner that must be moved.
+    pub cut: Option<usize>,
     /// Place in the table of the first particle whose law failed.
     pub failed: Option<usize>,
     /// Place in the table of the first particle outside the box.
@@ -66,6 +76,8 @@ impl Default for Report {
             viscosity: 0.0,
             diffusivity: 0.0,
             clipped: 0,
+            reach: 0.0,
+            cut: None,
             failed: None,
             escaped: None,
         }
@@ -94,6 +106,8 @@ impl Report {
             viscosity: self.viscosity.max(other.viscosity),
             diffusivity: self.diffusivity.max(other.diffusivity),
             clipped: self.clipped + other.clipped,
+            reach: self.reach.max(other.reach),
+            cut: self.cut.or(other.cut),
             failed: self.failed.or(other.failed),
             escaped: self.escaped.or(other.escaped),
         }
@@ -123,6 +137,8 @@ pub struct Tiles {
     pub reports: Vec<Report>,
     /// The same, by lattice.
     pub by_lattice: Vec<Report>,
+    /// How many cells away from its particle a corner of a domain may lie.
+    pub corners: usize,
     /// Sweeps run on several threads.
     pub parallel: bool,
 }
@@ -130,6 +146,11 @@ pub struct Tiles {
 impl Tiles {
     /// Does the work for every tile; gives all reports in one.
     pub fn sweep(&mut self, work: impl Fn(Tile<'_>, &mut Report) + Sync) -> Report {
+        self.sweep_with(&work)
+    }
+
+    /// The same, compiled once for all kinds of work: one call a tile goes through the pointer.
+    fn sweep_with(&mut self, work: &Work<'_>) -> Report {
         let queue = Queue {
             next: AtomicUsize::new(0),
             done: AtomicUsize::new(0),
@@ -138,7 +159,7 @@ impl Tiles {
             frames: &self.frames,
             colours: &self.colours,
             reports: Shared::new(&mut self.reports),
-            work: &work,
+            work,
         };
         let workers = if self.parallel { rayon::current_num_threads() } else { 1 };
         side_by_side(workers, &|| queue.serve());
@@ -151,8 +172,11 @@ impl Tiles {
     }
 }
 
+/// What is done for a tile.
+type Work<'a> = dyn Fn(Tile<'_>, &mut Report) + Sync + 'a;
+
 /// Calls `worker` so many times, side by side where threads are free.
-fn side_by_side(count: usize, worker: &(impl Fn() + Sync)) {
+fn side_by_side(count: usize, worker: &(dyn Fn() + Sync)) {
     if count <= 1 {
         return worker();
     }
@@ -162,7 +186,7 @@ fn side_by_side(count: usize, worker: &(impl Fn() + Sync)) {
 
 /// The tiles of one sweep, taken one after the other by whoever is free; those of a colour begin
 /// when all of the colour before are done. One fork of threads then serves all colours.
-struct Queue<'a, W> {
+struct Queue<'a> {
     /// The next tile to take.
     next: AtomicUsize,
     /// Tiles that are done.
@@ -172,10 +196,10 @@ struct Queue<'a, W> {
     frames: &'a [Frame],
     colours: &'a [usize],
     reports: Shared<'a, Report>,
-    work: &'a W,
+    work: &'a Work<'a>,
 }
 
-impl<W: Fn(Tile<'_>, &mut Report) + Sync> Queue<'_, W> {
+impl Queue<'_> {
     /// Takes tiles until none is left.
     fn serve(&self) {
         loop {
@@ -226,9 +250,9 @@ pub struct Order {
 }
 
 impl Order {
-    /// The order of the cells of a box.
-    pub fn new(domain: &Domain, shape: ShapeKind) -> Self {
-        let (cells, side) = (domain.cells(), side(shape));
+    /// The order of the cells of a box in tiles of so many cells along a side.
+    pub fn new(domain: &Domain, side: usize) -> Self {
+        let cells = domain.cells();
         Self { side, tiles_across: cells[1].div_ceil(side), cells }
     }
 
@@ -260,12 +284,15 @@ impl Order {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape::SHAPES;
+    use crate::shape::{DomainKind, SHAPES};
 
     #[test]
     fn tiles_of_one_colour_share_no_node_after_a_cell_of_movement() {
-        for shape in SHAPES.iter().filter_map(|style| style.build) {
-            let side = side(shape);
+        let products = SHAPES.iter().filter_map(|style| style.build);
+        let domains = ShapeKind::Corners(DomainKind::Parallel);
+        let all = products.map(|shape| (shape, 0)).chain((1..9).map(|corners| (domains, corners)));
+        for (shape, corners) in all {
+            let side = side(shape, corners);
             for cells in 1..6 * side {
                 let last = cells * shape.nodes_per_cell();
                 if last + 1 < shape.fewest_nodes() {
@@ -274,7 +301,7 @@ mod tests {
                 let touched = |tile: usize| {
                     let low = (tile * side).saturating_sub(1);
                     let high = ((tile + 1) * side).min(cells - 1);
-                    [shape.reach(low, last)[0], shape.reach(high, last)[1]]
+                    [shape.reach(low, last, corners)[0], shape.reach(high, last, corners)[1]]
                 };
                 let tiles = cells.div_ceil(side);
                 for tile in 2..tiles {

@@ -62,6 +62,15 @@ impl Domain {
         })
     }
 
+    /// The box with so many cells more around it.
+    pub fn widened(&self, cells: usize) -> Self {
+        let width = cells as f64 * self.cell;
+        let corner = |limits: [f64; 3], by: f64| {
+            std::array::from_fn(|axis| if axis < self.dimension { limits[axis] + by } else { 0.0 })
+        };
+        Self { lower: corner(self.lower, -width), upper: corner(self.upper, width), ..*self }
+    }
+
     /// Moves all of it.
     pub fn shift(&mut self, by: [f64; 3]) {
         for axis in 0..self.dimension {

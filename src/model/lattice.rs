@@ -89,11 +89,13 @@ impl Lattice {
         })
     }
 
-    /// Places in memory of the nodes at x = 0, if the lattice begins there (two dimensions).
+    /// Places in memory of the nodes at x = 0 and below, if the lattice has some (two dimensions).
     pub fn axis(&self) -> std::ops::Range<usize> {
-        let begins = self.cells.lower[0].abs() < 1e-9 * self.spacing && self.window.lower[0] == 0;
-        let count = if begins && self.window.size[0] > 0 { self.window.size[1] } else { 0 };
-        self.window.start..self.window.start + count
+        let below = 1.0 - self.cells.lower[0] / self.spacing;
+        let rows = ((below + 1e-9).floor().max(0.0) as usize)
+            .saturating_sub(self.window.lower[0])
+            .min(self.window.size[0]);
+        self.window.start..self.window.start + rows * self.window.size[1]
     }
 
     /// Number of a node, from 0.
@@ -135,6 +137,10 @@ mod tests {
         assert!(lattice.axis().is_empty());
         let hollow = Lattice::new(Domain { lower: [0.25, 0.0, 0.0], ..cells }, 1);
         assert!(hollow.axis().is_empty());
+        // A layer of nodes behind the axis.
+        let mut wide = Lattice::new(cells.widened(1), 1);
+        wide.window = Window { lower: [0, 1, 0], size: [3, 2, 1], start: 7 };
+        assert_eq!(wide.axis(), 7..11);
     }
 
     #[test]

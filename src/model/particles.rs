@@ -2,9 +2,10 @@
 
 use super::column::{COLUMNS, Column, ColumnSet};
 use super::group::{GroupId, Groups, Members};
+use crate::geometry::element::MOST_CORNERS;
 
 /// Most records of the domain of a particle: the corners of a hexahedron.
-pub const DOMAIN_RECORDS: usize = 8;
+pub const DOMAIN_RECORDS: usize = MOST_CORNERS;
 
 /// All particles, one row each; columns of the same length or empty where the scene needs none.
 #[derive(Clone, Default)]
@@ -23,6 +24,8 @@ pub struct Particles {
     /// Records \[L\] of the domain of each particle that its weights depend on, as many as the
     /// footprint has: half sizes of `gimp`, half edges or corners of CPDI; the others are empty.
     pub domain: [Vec<[f64; 4]>; DOMAIN_RECORDS],
+    /// What the step under way adds to the records of domains \[L\]; empty where they stay.
+    pub carried: [Vec<[f64; 4]>; DOMAIN_RECORDS],
     /// Optional scalar columns, in the order of [`Column`]; an absent one is empty.
     pub columns: Vec<Vec<f64>>,
     /// Global ids from 1.
@@ -80,12 +83,37 @@ impl Particles {
         }
     }
 
+    /// Gives the particles that have none yet the records of their domains, `count` of them; `of`
+    /// says which.
+    pub fn add_domains(
+        &mut self,
+        count: usize,
+        of: impl Fn(&Self, usize) -> [[f64; 4]; DOMAIN_RECORDS],
+    ) {
+        let known = if count > 0 { self.domain[0].len() } else { self.id.len() };
+        for p in known..self.id.len() {
+            let records = of(self, p);
+            for (record, value) in self.domain.iter_mut().zip(records).take(count) {
+                record.push(value);
+            }
+        }
+    }
+
+    /// Room for what a step adds to so many records of each domain.
+    pub fn require_carried(&mut self, count: usize) {
+        let len = self.id.len();
+        for (number, record) in self.carried.iter_mut().enumerate() {
+            record.resize(if number < count { len } else { 0 }, [0.0; 4]);
+        }
+    }
+
     /// All records that exist.
     pub fn records_mut(&mut self) -> impl Iterator<Item = &mut Vec<[f64; 4]>> {
         [&mut self.position, &mut self.velocity, &mut self.displacement, &mut self.reference]
             .into_iter()
             .chain(&mut self.matrix)
             .chain(&mut self.domain)
+            .chain(&mut self.carried)
             .filter(|records| !records.is_empty())
     }
 
@@ -196,7 +224,13 @@ impl Particles {
     pub fn bytes_each(&self) -> usize {
         let records = 3
             + usize::from(!self.reference.is_empty())
-            + self.matrix.iter().chain(&self.domain).filter(|r| !r.is_empty()).count();
+            + self
+                .matrix
+                .iter()
+                .chain(&self.domain)
+                .chain(&self.carried)
+                .filter(|r| !r.is_empty())
+                .count();
         records * 32 + 8 * self.present.iter().count() + 4 + 2 + 8 * self.masks.len()
     }
 }

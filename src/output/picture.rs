@@ -8,6 +8,7 @@ use crate::model::domain::Domain;
 use crate::plan::Plan;
 use crate::script::arguments::Args;
 use crate::script::diagnostic::{Code, Diagnostic};
+use crate::shape::ShapeKind;
 use crate::style::Style;
 use crate::world::World;
 use std::path::PathBuf;
@@ -121,6 +122,7 @@ fn draw(snapshot: &Snapshot<'_>, width: u32, height: u32) -> Canvas {
         let radius = (0.4 * spacing * frame.scale).clamp(0.5, 20.0) as f32;
         canvas.marks.push(Mark::Dots { centres, radius, colour: Colour::of(solid) });
     }
+    outlines(&mut canvas, &frame, world);
     axes(&mut canvas, &frame);
     let title = format!("t = {}", number::brief(snapshot.time));
     canvas.text([0.5 * width as f32, 0.5 * MARGIN as f32], 16.0, Anchor::Middle, title);
@@ -152,6 +154,19 @@ fn crosses(canvas: &mut Canvas, frame: &Frame, world: &World) {
         }
     }
     canvas.marks.push(Mark::Lines { segments, width: 0.7, colour: Colour::GREY });
+}
+
+/// The edges of the domains of particles (CPDI).
+fn outlines(canvas: &mut Canvas, frame: &Frame, world: &World) {
+    let ShapeKind::Corners(kind) = world.method.shape else { return };
+    let edges = kind.edges(world.domain.dimension);
+    let mut segments = Vec::new();
+    for p in 0..world.particles.len() {
+        let corners = world.corners(p);
+        let pixel = |c: usize| frame.pixel(corners[c][0], corners[c][1]);
+        segments.extend(edges.iter().map(|[from, to]| [pixel(*from), pixel(*to)]));
+    }
+    canvas.marks.push(Mark::Lines { segments, width: 0.5, colour: Colour::BLACK });
 }
 
 /// The border of the box with ticks at round numbers.

@@ -1,6 +1,6 @@
 //! What every shape function must do, anywhere on axes of any length.
 
-use super::{Bernstein, Cubic, EDGE, Linear, Quadratic, SHAPES, Shape, Weights};
+use super::{Bernstein, Cubic, EDGE, Linear, Quadratic, SHAPES, Shape, Weights, gimp};
 use crate::math::v4::{Plain, Wide};
 
 /// One axis: value, slope and moment weights with the places of their nodes.
@@ -12,7 +12,18 @@ struct Axis {
 }
 
 fn axis<const W: usize, S: Shape<W>>(r: f64, last: usize) -> Axis {
-    let weights: Weights<W> = S::weights(Plain::splat(r), Plain::splat(last as f64));
+    axis_of(S::weights(Plain::splat(r), Plain::splat(last as f64)), r, last)
+}
+
+/// Boxes of half size `TENTHS`/10 on a lattice with one more node at either end.
+fn boxed<const TENTHS: usize>(r: f64, last: usize) -> Axis {
+    let [place, half, end] = [r + 1.0, TENTHS as f64 / 10.0, (last + 2) as f64].map(Plain::splat);
+    let mut axis = axis_of(gimp::weights(place, half, end), r, last + 2);
+    axis.nodes.iter_mut().for_each(|node| *node -= 1.0);
+    axis
+}
+
+fn axis_of<const W: usize>(weights: Weights<W>, r: f64, last: usize) -> Axis {
     let moments = weights.moments::<Plain>();
     assert!(weights.first[0] >= 0.0 && weights.first[0] as usize + W - 1 <= last, "{r} of {last}");
     Axis {
@@ -26,12 +37,14 @@ fn axis<const W: usize, S: Shape<W>>(r: f64, last: usize) -> Axis {
 type OneAxis = fn(f64, usize) -> Axis;
 
 /// Every shape that can be built: its axis, the lengths to try, is it smooth, has it moments.
-fn shapes() -> [(&'static str, OneAxis, [usize; 3], bool, bool); 4] {
+fn shapes() -> [(&'static str, OneAxis, [usize; 3], bool, bool); 6] {
     [
         ("linear", axis::<2, Linear>, [1, 2, 7], false, false),
         ("quadratic-spline", axis::<3, Quadratic>, [3, 4, 7], true, true),
         ("cubic-spline", axis::<4, Cubic>, [3, 4, 7], true, true),
         ("Bernstein-quadratic", axis::<3, Bernstein>, [2, 4, 8], false, false),
+        ("gimp", boxed::<5>, [1, 2, 7], true, false),
+        ("cpgimp", boxed::<3>, [1, 2, 7], true, false),
     ]
 }
 

@@ -10,7 +10,8 @@ use crate::model::domain::{Boundary, Domain};
 use crate::model::grid::Node;
 use crate::model::group::Members;
 use crate::scheme::{SCHEMES, SchemeKind};
-use crate::shape::SHAPES;
+use crate::shape::corners::{DOMAINS, dimensions_of};
+use crate::shape::{SHAPES, ShapeKind};
 use crate::step::Stage;
 use crate::style::Style;
 use crate::time_step::TimeStep;
@@ -83,12 +84,22 @@ impl Simulation {
         }
         let (method, transfer) = (self.world.method, self.transfer);
         let kind = std::mem::discriminant(&transfer.kind);
+        let corners = matches!(method.shape, ShapeKind::Corners(_));
         let mut words = vec![
-            word(METHODS, |total| total == method.total).to_string(),
+            word(METHODS, |kind| (kind.total, kind.corners) == (method.total, corners)).to_string(),
             word(TRANSFERS, |other| std::mem::discriminant(&other) == kind).to_string(),
         ];
         words.extend(transfer.filter_terms().map(|terms| terms.to_string()));
-        words.push(word(SHAPES, |shape| shape == method.shape).to_string());
+        if corners {
+            words.extend([word(SHAPES, |shape| shape == ShapeKind::Linear).to_string()]);
+            let dimension = self.world.domain.dimension;
+            let domain = DOMAINS.iter().find(|row| {
+                row.build == Some(method.shape) && dimensions_of(row.name).contains(&dimension)
+            });
+            words.extend(domain.map(|row| row.name.to_string()));
+        } else {
+            words.push(word(SHAPES, |shape| shape == method.shape).to_string());
+        }
         match transfer.time_constant {
             Some(tau) => words.push(format!("time-constant {tau}")),
             None if transfer.kind.takes_blend() => words.push(transfer.alpha.to_string()),

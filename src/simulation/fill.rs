@@ -15,6 +15,8 @@ pub enum Filling {
         region: Arc<dyn Region>,
         /// Particles per cell and axis.
         particles_per_cell: usize,
+        /// At even distances, as domains of particles fill a cell without gaps.
+        even: bool,
     },
     /// A list.
     Points(Arc<Points>),
@@ -36,15 +38,26 @@ impl Filling {
         domain: &Domain,
         mut each: impl FnMut([f64; 3], f64) -> ControlFlow<T>,
     ) -> ControlFlow<T> {
+        self.visit_corners(domain, |place, volume, _| each(place, volume))
+    }
+
+    /// The same with the corners of the element of each particle, none where there is no element.
+    pub fn visit_corners<T>(
+        &self,
+        domain: &Domain,
+        mut each: impl FnMut([f64; 3], f64, &[[f64; 3]]) -> ControlFlow<T>,
+    ) -> ControlFlow<T> {
         match self {
-            Filling::Region { region, particles_per_cell } => {
+            Filling::Region { region, particles_per_cell, even } => {
                 let volume = volume(domain, *particles_per_cell);
-                visit(domain, region.as_ref(), *particles_per_cell, |place| each(place, volume))
+                let offsets = offsets(*particles_per_cell, *even);
+                visit(domain, region.as_ref(), &offsets, |place| each(place, volume, &[]))
             }
             Filling::Points(points) => {
-                let inside = points.list.iter().filter(|point| domain.contains(point.place));
-                for point in inside {
-                    each(point.place, point.volume)?;
+                for (number, point) in points.list.iter().enumerate() {
+                    if domain.contains(point.place) {
+                        each(point.place, point.volume, points.corners_of(number))?;
+                    }
                 }
                 ControlFlow::Continue(())
             }
@@ -57,11 +70,22 @@ pub fn volume(domain: &Domain, particles_per_cell: usize) -> f64 {
     (domain.cell / particles_per_cell as f64).powi(domain.dimension as i32)
 }
 
-/// Offsets of the particles of a cell on one axis, in cell sizes (language.md 6.3).
-pub fn offsets(particles_per_cell: usize) -> Vec<f64> {
+/// Edge of a square or cube of some volume \[L\].
+pub fn edge(volume: f64, dimension: usize) -> f64 {
+    match dimension {
+        1 => volume,
+        2 => volume.sqrt(),
+        _ => volume.cbrt(),
+    }
+}
+
+/// Offsets of the particles of a cell on one axis, in cell sizes (language.md 6.3); three are as far
+/// apart as the points of Gauss unless they are to be at `even` distances.
+pub fn offsets(particles_per_cell: usize, even: bool) -> Vec<f64> {
     match particles_per_cell {
         1 => vec![0.0],
         2 => vec![-0.25, 0.25],
+        3 if even => vec![-1.0 / 3.0, 0.0, 1.0 / 3.0],
         3 => vec![-0.7746 / 2.0, 0.0, 0.7746 / 2.0],
         n => (0..n).map(|i| (i as f64 + 0.5) / n as f64 - 0.5).collect(),
     }
@@ -82,17 +106,16 @@ pub fn touched(domain: &Domain, bounds: &Bounds, extra: usize) -> [RangeInclusiv
     })
 }
 
-/// Visits the places of the particles that would fill a region, in the order of their ids, until
+/// Visits the places of the particles that would fill a region, with these offsets in cells, in the order of their ids, until
 /// told to stop.
 pub fn visit<T>(
     domain: &Domain,
     region: &dyn Region,
-    particles_per_cell: usize,
+    offsets: &[f64],
     mut visit: impl FnMut([f64; 3]) -> ControlFlow<T>,
 ) -> ControlFlow<T> {
-    let offsets = offsets(particles_per_cell);
     let pattern = |axis: usize| {
-        if axis < domain.dimension { &offsets[..] } else { &[0.0][..] }
+        if axis < domain.dimension { offsets } else { &[0.0][..] }
     };
     let place = |axis: usize, cell: usize, offset: f64| {
         if axis < domain.dimension {
@@ -128,10 +151,11 @@ mod tests {
 
     fn places(domain: &Domain, bounds: Bounds, particles_per_cell: usize) -> Vec<[f64; 3]> {
         let mut places = Vec::new();
-        let _: ControlFlow<()> = visit(domain, &Block(bounds), particles_per_cell, |place| {
-            places.push(place);
-            ControlFlow::Continue(())
-        });
+        let _: ControlFlow<()> =
+            visit(domain, &Block(bounds), &offsets(particles_per_cell, false), |place| {
+                places.push(place);
+                ControlFlow::Continue(())
+            });
         places
     }
 
@@ -157,9 +181,10 @@ mod tests {
 
     #[test]
     fn offsets_of_one_to_four_particles() {
-        assert_eq!(offsets(1), [0.0]);
-        assert_eq!(offsets(2), [-0.25, 0.25]);
-        assert_eq!(offsets(3), [-0.3873, 0.0, 0.3873]);
-        assert_eq!(offsets(4), [-0.375, -0.125, 0.125, 0.375]);
+        assert_eq!(offsets(1, false), [0.0]);
+        assert_eq!(offsets(2, false), [-0.25, 0.25]);
+        assert_eq!(offsets(3, false), [-0.3873, 0.0, 0.3873]);
+        assert_eq!(offsets(3, true), [-1.0 / 3.0, 0.0, 1.0 / 3.0]);
+        assert_eq!(offsets(4, false), [-0.375, -0.125, 0.125, 0.375]);
     }
 }

@@ -1,9 +1,10 @@
 //! The loop over time steps.
 
-use super::{Simulation, Until};
+use super::{Simulation, Until, fill};
 use crate::compute::energy::{kinetic_energy, strain_energy};
 use crate::fault::Fault;
 use crate::interrupt;
+use crate::kernel::sort::MOST_CORNER_CELLS;
 use crate::kernel::tiles::Report;
 use crate::kernel::{conduction, points, rigid};
 use crate::model::column::{Column, ColumnSet};
@@ -71,6 +72,12 @@ impl Simulation {
                 self.loops.clipped
             ))?;
         }
+        if let Some((particle, time)) = self.loops.cut {
+            self.outputs.warn(&format!(
+                "the domain of particle {particle} reached beyond the grid at time {time:.6e}, or \
+                 farther than {MOST_CORNER_CELLS} cells: such corners are moved to the nearest place"
+            ))?;
+        }
         for (count, what) in [
             (self.loops.removed, "particles left the box and were removed"),
             (
@@ -122,6 +129,7 @@ impl Simulation {
     fn prepare(&mut self) -> Result<Hooks, Fault> {
         self.loops.timing.restart();
         (self.loops.clipped, self.loops.removed, self.loops.bounced) = (0, 0, 0);
+        self.loops.cut = None;
         self.ready()?;
         let hooks = self.hooks();
         self.open_ledger();
@@ -185,6 +193,16 @@ impl Simulation {
         if method.total {
             particles.require_reference();
         }
+        let shape = method.shape;
+        particles.add_domains(shape.records(domain.dimension), |particles, p| {
+            let (place, cell) =
+                (particles.reference_place(p), solids[particles.solid[p] as usize].cells.cell);
+            let area = particles.velocity[p][3] / method.girth(place);
+            let half = 0.5 * fill::edge(area, domain.dimension);
+            shape.domain_of(domain.dimension, place, &[], half, cell)
+        });
+        let moving = !method.total && shape.has_moving_domains();
+        particles.require_carried(if moving { shape.records(domain.dimension) } else { 0 });
         let matrix = self.transfer.has_matrix();
         particles.require_matrix(if matrix { domain.dimension } else { 0 });
         let mut heated = false;
@@ -317,10 +335,12 @@ impl Simulation {
     /// The smallest of the stable steps of the lattices.
     fn stable(&self, reports: &[Report]) -> TimeStep {
         let dimension = self.world.domain.dimension;
+        let sizes = self.world.solids.iter().map(|solid| 0.5 / solid.particles_per_cell);
         let courant = time_step::courant(
             &self.transfer,
             self.scheme.kind() == SchemeKind::Usl,
             self.world.method.shape,
+            sizes.fold(0.5, f64::min),
             dimension,
         );
         let cell = |lattice: usize| match self.world.method.total {

@@ -30,6 +30,9 @@ use crate::world::{Solid, Spreading, World};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+/// Takes a particle: its place, its volume and the corners of its element, if it has one.
+type Push<'a> = dyn FnMut([f64; 3], f64, &[[f64; 3]]) + 'a;
+
 /// An empty table with the columns that every particle has.
 fn no_particles(dimension: usize) -> Particles {
     let mut particles = Particles::new();
@@ -133,9 +136,11 @@ impl Simulation {
     ) -> usize {
         let domain = self.world.cells_between(&region.bounds(), cell);
         let volume = fill::volume(&domain, particles_per_cell);
+        let even = self.world.method.shape.has_domains();
+        let offsets = fill::offsets(particles_per_cell, even);
         self.add_body(name, material, law, domain, particles_per_cell as f64, |push| {
-            let _: ControlFlow<()> = fill::visit(&domain, region, particles_per_cell, |place| {
-                push(place, volume);
+            let _: ControlFlow<()> = fill::visit(&domain, region, &offsets, |place| {
+                push(place, volume, &[]);
                 ControlFlow::Continue(())
             });
         })
@@ -156,8 +161,8 @@ impl Simulation {
             Filling::Points(points) => cell / points.spacing(domain.dimension),
         };
         self.add_body(name, material, law, domain, particles_per_cell, |push| {
-            let _: ControlFlow<()> = filling.visit(&domain, |place, volume| {
-                push(place, volume);
+            let _: ControlFlow<()> = filling.visit_corners(&domain, |place, volume, corners| {
+                push(place, volume, corners);
                 ControlFlow::Continue(())
             });
         })
@@ -171,7 +176,7 @@ impl Simulation {
         law: Arc<dyn Law>,
         domain: Domain,
         particles_per_cell: f64,
-        each: impl FnOnce(&mut dyn FnMut([f64; 3], f64)),
+        each: impl FnOnce(&mut Push<'_>),
     ) -> usize {
         let columns = self.world.columns_of(&*law);
         self.world.particles.require(columns);
@@ -196,22 +201,23 @@ impl Simulation {
     }
 
     /// Gives a solid the particles that `each` lists by place and volume; gives their number.
-    fn push_particles(
-        &mut self,
-        solid: usize,
-        each: impl FnOnce(&mut dyn FnMut([f64; 3], f64)),
-    ) -> usize {
-        let World { particles, solids, method, .. } = &mut self.world;
+    fn push_particles(&mut self, solid: usize, each: impl FnOnce(&mut Push<'_>)) -> usize {
+        let World { particles, solids, method, domain, .. } = &mut self.world;
         let density = solids[solid].law.density();
         let values = solids[solid].law.initial_values();
+        let cell = solids[solid].cells.cell;
         let before = particles.len();
         let mut id = particles.id.iter().copied().max().unwrap_or(0);
-        each(&mut |place, volume| {
-            let volume = volume * method.girth(place);
+        each(&mut |place, area, corners| {
+            let volume = area * method.girth(place);
             // Nothing lies on the axis or behind it.
             if volume > 0.0 {
                 id += 1;
                 particles.push(id, solid as u16, place, density * volume, volume);
+                let dimension = domain.dimension;
+                let half = 0.5 * fill::edge(area, dimension);
+                let records = method.shape.domain_of(dimension, place, corners, half, cell);
+                particles.add_domains(method.shape.records(dimension), |_, _| records);
             }
         });
         for (column, value) in values {
@@ -226,7 +232,7 @@ impl Simulation {
             self.world.particles.solid.iter().map(|other| *other as usize != solid).collect();
         self.world.particles.retain(&keep);
         self.push_particles(solid, |push| {
-            points.list.iter().for_each(|point| push(point.place, point.volume));
+            points.list.iter().for_each(|point| push(point.place, point.volume, &[]));
         });
         let dimension = self.world.domain.dimension;
         let body = &mut self.world.solids[solid];

@@ -222,7 +222,11 @@ fn error(wave: &Wave, way: &Way, cells: usize) -> f64 {
 /// The error of the bar of V2 is c (k h)^2: what the dispersion of a shape adds up to in one period.
 fn dispersion(shape: ShapeKind) -> f64 {
     let of_table = match shape {
-        ShapeKind::Linear | ShapeKind::Bernstein => 3.35e-3,
+        ShapeKind::Linear
+        | ShapeKind::Bernstein
+        | ShapeKind::Gimp
+        | ShapeKind::StretchedGimp
+        | ShapeKind::Corners(_) => 3.35e-3,
         ShapeKind::Quadratic => 6.36e-3,
         ShapeKind::Cubic => 8.11e-3,
     };

@@ -15,7 +15,7 @@ use karamelo::region::{Bounds, block::Block};
 use karamelo::scheme::{SCHEMES, Scheme, SchemeKind};
 use karamelo::script::scope::Scope;
 use karamelo::script::syntax::Argument;
-use karamelo::shape::{SHAPES, ShapeKind};
+use karamelo::shape::{DomainKind, SHAPES, ShapeKind};
 use karamelo::simulation::{Simulation, Until};
 use karamelo::time_step::is_fragile;
 use karamelo::transfer::{Transfer, TransferKind};
@@ -38,10 +38,15 @@ impl std::fmt::Display for Way {
 }
 
 fn methods() -> impl Iterator<Item = Method> {
-    let shapes = SHAPES.iter().filter_map(|style| style.build);
+    let corners = ShapeKind::Corners(DomainKind::Parallel);
+    let shapes = SHAPES.iter().filter_map(|style| style.build).chain([corners]);
     let all = shapes
         .flat_map(|shape| [false, true].map(|total| Method { total, shape, ..Method::default() }));
-    all.filter(|method| method.total || method.shape != ShapeKind::Bernstein)
+    all.filter(|method| match method.shape {
+        ShapeKind::Bernstein => method.total,
+        ShapeKind::StretchedGimp => !method.total,
+        _ => true,
+    })
 }
 
 fn transfers(shape: ShapeKind) -> impl Iterator<Item = Transfer> {

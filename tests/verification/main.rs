@@ -13,6 +13,7 @@ mod contact;
 mod convergence;
 mod dam;
 mod damping;
+mod domains;
 mod fields;
 mod fixes;
 mod gas;
