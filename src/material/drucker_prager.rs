@@ -19,9 +19,9 @@ the apex s = 0, sm = c cot phi; at last sm <= sigma_t (default: the apex). The c
 `mohr-coulomb` in triaxial compression: a = 6 sin phi/(sqrt3 (3 - sin phi)),
 k = 6 c cos phi/(sqrt3 (3 - sin phi)); with `inner` in triaxial extension: 3 + sin phi in both
 denominators; with `plane-strain` in plane strain without dilatancy: a = 3 tan phi/w, k = 3 c/w,
-w = sqrt(9 + 12 tan^2 phi). b is a of psi: flow grows by b dg in volume, sqrt(J2)/G in shear.
-ep grows by dg/sqrt3 = sqrt(2/3) |dev dep|. Softening: c, phi, psi go linearly to c_res, phi_res,
-psi_res with the part min(1, H ep/(c - c_res)), solved within the step.
+w = sqrt(9 + 12 tan^2 phi); `outer` names the default. b is a of psi: the plastic strain grows by
+dg (s/(2 sqrt(J2)) + b I/3), ep by dg/sqrt3 = sqrt(2/3) |dev dep|. Softening: c, phi, psi go
+linearly to c_res, phi_res, psi_res with the part min(1, H ep/(c - c_res)), solved within the step.
 rho [M/L^d], E [P], -1 < nu < 0.5, c, sigma_t, H, c_res >= 0 [P], angles in degrees from 0 below 90,
 c_res < c. Wave speed sqrt((K + 4 G/3)/rho). Stored energy V sigma : C^-1 sigma/2.
 A volume that tension has opened is not remembered: the material resists as soon as it is pressed.
