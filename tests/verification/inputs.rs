@@ -12,13 +12,15 @@ const BUDGET: usize = 2_000_000;
 
 /// Scenes that the quick test plays in another size. All others it plays as they are. If the
 /// budget does not suffice, their runs end early.
-const SIZES: [(&str, &[(&str, f64)]); 6] = [
+const SIZES: [(&str, &[(&str, f64)]); 8] = [
     ("block.mpm", &[("cells", 10.0), ("steps", 50.0)]),
     ("copper-block.mpm", &[("cells", 6.0)]),
     ("dam-break/dam-break.mpm", &[("cells", 40.0), ("ppc", 2.0)]),
+    ("disk-impact/disk-impact.mpm", &[("h", 2.4)]),
     ("plate-penetration/plate-penetration.mpm", &[("width", 30.0), ("end", 0.01)]),
     ("square.mpm", &[("cells", 30.0)]),
     ("taylor-bar/taylor-bar.mpm", &[("h", 1.0)]),
+    ("upsetting/upsetting-3d.mpm", &[("quarter", 1.0), ("h", 2.0)]),
 ];
 
 /// Names of all scripts below a folder of `inputs/`.
