@@ -247,8 +247,7 @@ fn streams(
 
 #[test]
 fn two_cold_streams_stop_each_other_as_noh_says() {
-    for way in [(false, ShapeKind::Quadratic), (false, ShapeKind::Cubic), (true, ShapeKind::Linear)]
-    {
+    for way in [(false, ShapeKind::Quadratic), (false, ShapeKind::Cubic)] {
         let found = streams(cold(), way, 0.3).expect("the run is stable");
         println!("V17 Noh 1-D, total and shape {way:?}: rho, p, energy {found:.4?}");
         assert!(found[0].abs() < 0.05 && found[1].abs() < 0.05, "{found:?}");
