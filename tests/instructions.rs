@@ -20,7 +20,7 @@ const CASES: [Case; 7] = [
     Case("square.mpm", "ulmpm, FLIP, cubic-spline, 1", 30, 3600, 800),
     Case("block.mpm", "tlmpm, FLIP, linear, 1", 10, 8000, 1150),
     Case("copper-block.mpm", "ulmpm, FLIP, linear, 1", 10, 8000, 900),
-    Case("sand-block.mpm", "ulmpm, FLIP, linear, 1", 10, 8000, 750),
+    Case("sand-block.mpm", "ulmpm, FLIP, linear, 1", 10, 8000, 900),
 ];
 
 fn per_particle_step(case: &Case) -> Option<u64> {
