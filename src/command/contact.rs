@@ -35,8 +35,7 @@ A dump of the grid has a row for each node of each field, one after the other.
 Publishes the force on s1 (`all`: on the first solid) in ID_x, ID_y, ID_z and the heat of friction so
 far in ID_s, that of the last step not yet included; with `thermo-mechanical` half of it heats each body. May change between runs.
 Which contact for what: this one needs no search for pairs and rubs as Coulomb says on rigid bodies,
-within 1 %. (XPIC with F-bar and `usf` beside a rigid body: bits may change with the number of
-threads, a known defect.) Between two deformable bodies friction comes out too large, by a tenth for a block on a
+within 1 %; between two deformable bodies friction comes out too large, by a tenth for a block on a
 floor. `fix contact/hertz` and `contact/minimize_penetration` act between particles, which
 makes faces bumpy: their friction is larger than mu, but they work in `tlmpm`.
 Source: Bardenhagen, Brackbill, Sulsky 2000; Bardenhagen et al. 2001; on gaps and corners Nairn 2013.";

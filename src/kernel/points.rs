@@ -369,7 +369,11 @@ impl<'a, const D: usize, const ROUND: bool, F: Footprint<D>> Part<'a, D, ROUND, 
     #[inline(always)]
     fn average_dilation<V: Wide>(&mut self) {
         let (frame, places, domains) = (self.frame, self.places(), self.domains());
-        for p in 0..places.len().min(LANES) {
+        let len = places.len().min(LANES);
+        // The lanes that fill up the last group must have no gradient afterwards either: the largest
+        // rate is taken over all of them.
+        self.scratch.numbers.as_flattened_mut()[len..].fill(0.0);
+        for p in 0..len {
             let support = F::at::<V>(&frame, &places[p], &domains, p);
             self.scratch.numbers[p / 4][p % 4] = support.sum_of_numbers(self.seen.dilation);
         }
