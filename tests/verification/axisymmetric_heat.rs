@@ -1,6 +1,7 @@
 //! V20 round an axis: conduction of heat in a cylinder of radius 1 with k = rho cp = 1, against
 //! Bessel functions.
 
+use super::heat::{METHODS, with};
 use super::script::{Played, Script};
 use karamelo::model::column::Column;
 use libm::{j0, j1};
@@ -42,22 +43,6 @@ set_dt(0.1*h^2)
 set_output(0)
 run_time(end)
 ";
-
-/// Every shape function with each description.
-const METHODS: [(&str, &str); 7] = [
-    ("ulmpm", "linear"),
-    ("ulmpm", "quadratic-spline"),
-    ("ulmpm", "cubic-spline"),
-    ("tlmpm", "linear"),
-    ("tlmpm", "quadratic-spline"),
-    ("tlmpm", "cubic-spline"),
-    ("tlmpm", "Bernstein-quadratic"),
-];
-
-fn with(text: &str, (method, shape): (&str, &str)) -> Script {
-    let words = format!("{method}, FLIP, {shape}, 1, thermo-mechanical");
-    Script::new("heat.mpm", text).replace("ulmpm, FLIP, linear, 1, thermo-mechanical", &words)
-}
 
 /// The same body in plane strain: masses without r.
 fn flat(script: Script) -> Script {

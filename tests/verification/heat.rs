@@ -49,7 +49,7 @@ run_time(end)
 ";
 
 /// Every shape function with each description.
-const METHODS: [(&str, &str); 7] = [
+pub const METHODS: [(&str, &str); 7] = [
     ("ulmpm", "linear"),
     ("ulmpm", "quadratic-spline"),
     ("ulmpm", "cubic-spline"),
@@ -59,7 +59,8 @@ const METHODS: [(&str, &str); 7] = [
     ("tlmpm", "Bernstein-quadratic"),
 ];
 
-fn with(text: &str, (method, shape): (&str, &str)) -> Script {
+/// A script of [`METHODS`]' first row, played in another way.
+pub fn with(text: &str, (method, shape): (&str, &str)) -> Script {
     let words = format!("{method}, FLIP, {shape}, 1, thermo-mechanical");
     Script::new("heat.mpm", text).replace("ulmpm, FLIP, linear, 1, thermo-mechanical", &words)
 }
