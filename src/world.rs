@@ -1,6 +1,5 @@
 //! What a simulation is about: domain, grid, particles, solids, groups.
 
-use crate::geometry::element::SIGNS;
 use crate::material::{Description, LANES, Law, State, StressRate};
 use crate::math::tensor::Tensor;
 use crate::method::Method;
@@ -15,6 +14,7 @@ use crate::model::particles::Particles;
 use crate::model::rigid::Rigid;
 use crate::region::Bounds;
 use crate::shape::ShapeKind;
+use crate::shape::corners::corner_of_parallel;
 use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
@@ -216,19 +216,14 @@ impl World {
         let dimension = self.domain.dimension;
         let records = &self.particles.domain;
         let place = self.place(particle);
+        let own: Vec<[f64; 4]> =
+            records.iter().filter_map(|record| record.get(particle).copied()).collect();
         let corner = |c: usize| {
-            let mut offset = [0.0; 3];
-            match kind.has_free_corners() {
-                true => offset.copy_from_slice(&records[c][particle][..3]),
-                false => {
-                    for (axis, record) in records.iter().enumerate().take(dimension) {
-                        for k in 0..3 {
-                            offset[k] += SIGNS[c][axis] * record[particle][k];
-                        }
-                    }
-                }
-            }
-            offset
+            let [x, y, z, _] = match kind.has_free_corners() {
+                true => own[c],
+                false => corner_of_parallel(&own, c),
+            };
+            [x, y, z]
         };
         let deformation = self.method.total.then(|| self.deformation(particle));
         let moved = |offset: [f64; 3]| match &deformation {

@@ -11,6 +11,7 @@ use super::stencil::{Frame, Stencil};
 use super::support::{Footprint, Gathered, Records, Support};
 use crate::math::v4::Wide;
 use crate::model::grid::Node;
+use crate::shape::corners::corner_of_parallel;
 
 /// The hats around at most `C` corners.
 #[derive(Clone, Copy)]
@@ -51,7 +52,7 @@ impl<const D: usize, const C: usize> Footprint<D> for Parallel<C> {
         }
         let mut offsets = [[0.0; 4]; C];
         for c in 0..frame.count.min(C) {
-            offsets[c] = domains::corner_of_parallel::<D>(&edges, c);
+            offsets[c] = corner_of_parallel(&edges, c);
         }
         let means = domains::means_of_parallel::<D, C>(&edges, frame.spacing, frame.count);
         Cloud::new::<V>(frame, place, &offsets, |_| means)

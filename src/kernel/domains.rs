@@ -15,18 +15,6 @@ pub struct Means<const C: usize> {
     pub slope: [[f64; 4]; C],
 }
 
-/// Corner `c` of the domain with the half edges `edges`, seen from its centre.
-#[inline(always)]
-pub fn corner_of_parallel<const D: usize>(edges: &[[f64; 4]; D], c: usize) -> [f64; 4] {
-    let mut corner = [0.0; 4];
-    for axis in 0..D {
-        for k in 0..D {
-            corner[k] += SIGNS[c][axis] * edges[axis][k];
-        }
-    }
-    corner
-}
-
 /// How far the corners of a domain lie from their particle at most, by axis \[L\].
 pub fn extent<R: AsRef<[[f64; 4]]>>(records: &[R], shape: ShapeKind, p: usize) -> [f64; 3] {
     let present = records.iter().filter_map(|record| record.as_ref().get(p));
@@ -207,6 +195,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shape::corners::corner_of_parallel;
 
     /// Weights sum to one, gradients to zero, and the gradient of x is the unit tensor.
     fn conforms<const D: usize, const C: usize>(corners: &[[f64; 4]; C], means: &Means<C>) {
@@ -268,14 +257,14 @@ mod tests {
     #[test]
     fn parallel_domains_agree_with_the_general_formulas() {
         let edges = [[0.5, 0.1, 0.0, 0.0], [0.3, 0.4, 0.0, 0.0]];
-        let corners: [[f64; 4]; 4] = std::array::from_fn(|c| corner_of_parallel::<2>(&edges, c));
+        let corners: [[f64; 4]; 4] = std::array::from_fn(|c| corner_of_parallel(&edges, c));
         close(&means_of_parallel::<2, 4>(&edges, 1.0, 4), &means::<2, 4>(&corners, 4));
         // R4 of language.md: g1 = (r1y - r2y, r2x - r1x)/V, V = 4 |r1 x r2|.
         let (volume, half) = (4.0 * (0.5 * 0.4 - 0.1 * 0.3), means::<2, 4>(&corners, 4).slope[0]);
         assert!((half[0] - (0.1 - 0.4) / volume).abs() < 1e-14);
         assert!((half[1] - (0.3 - 0.5) / volume).abs() < 1e-14);
         let edges = [[0.5, 0.1, 0.0, 0.0], [0.3, 0.4, 0.2, 0.0], [-0.1, 0.2, 0.6, 0.0]];
-        let corners: [[f64; 4]; 8] = std::array::from_fn(|c| corner_of_parallel::<3>(&edges, c));
+        let corners: [[f64; 4]; 8] = std::array::from_fn(|c| corner_of_parallel(&edges, c));
         close(&means_of_parallel::<3, 8>(&edges, 1.0, 8), &means::<3, 8>(&corners, 8));
         let line = means_of_parallel::<1, 2>(&[[0.25, 0.0, 0.0, 0.0]], 0.5, 2);
         assert_eq!((line.weight, line.slope[1][0]), ([0.5; 2], 1.0));

@@ -56,6 +56,18 @@ pub fn corners_of(name: &str) -> Option<usize> {
     }
 }
 
+/// Corner `c` of the domain with the half edges `edges`, one for each dimension, seen from its centre.
+#[inline(always)]
+pub fn corner_of_parallel(edges: &[[f64; 4]], c: usize) -> [f64; 4] {
+    let mut corner = [0.0; 4];
+    for axis in 0..edges.len() {
+        for k in 0..edges.len() {
+            corner[k] += SIGNS[c][axis] * edges[axis][k];
+        }
+    }
+    corner
+}
+
 impl DomainKind {
     /// Pairs of corners that an edge joins.
     pub fn edges(self, dimension: usize) -> &'static [[usize; 2]] {
