@@ -24,8 +24,8 @@ pub trait ContactStyle: Send {
     /// Its law of a pair.
     type Law: PairLaw;
 
-    /// The law for two solids in a step of size dt.
-    fn law(&self, solids: [&Solid; 2], dt: f64) -> Self::Law;
+    /// The law for two solids in a step of size dt; `longest` is the longest step since they met.
+    fn law(&self, solids: [&Solid; 2], dt: f64, longest: f64) -> Self::Law;
 }
 
 /// Forces of contact on the particles of two solids, at H1.
@@ -34,6 +34,8 @@ pub struct Contact<S> {
     style: S,
     pairs: Pairs,
     totals: Totals,
+    /// The longest step since the solids met \[T\].
+    longest: f64,
     /// Heat of friction so far \[M L^2/T^2\].
     heat: f64,
 }
@@ -46,7 +48,8 @@ impl<S: ContactStyle> Contact<S> {
 
     /// Contact of two solids, by number.
     pub fn of_solids(solids: [usize; 2], style: S) -> Self {
-        Self { solids, style, pairs: Pairs::default(), totals: Totals::default(), heat: 0.0 }
+        let (pairs, totals) = (Pairs::default(), Totals::default());
+        Self { solids, style, pairs, totals, longest: 0.0, heat: 0.0 }
     }
 }
 
@@ -66,7 +69,8 @@ impl<S: ContactStyle> Fix for Contact<S> {
         if solids.iter().all(|solid| solid.rigid) {
             return Ok(());
         }
-        let law = self.style.law(solids, dt);
+        self.longest = if self.totals.pushed > 0 { self.longest.max(dt) } else { dt };
+        let law = self.style.law(solids, dt, self.longest);
         self.totals = self.pairs.sum(world, self.solids, &law);
         self.heat += self.totals.friction * dt;
         let shares = heat_shares(solids);

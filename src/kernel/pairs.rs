@@ -329,6 +329,8 @@ pub struct Totals {
     pub friction: f64,
     /// Largest rate of all pairs \[1/T^2\].
     pub rate: f64,
+    /// Number of particles of the first solid that a partner pushes.
+    pub pushed: usize,
 }
 
 impl Pairs {
@@ -359,6 +361,7 @@ impl Pairs {
                 *total += force;
             }
             totals.friction += sum.friction;
+            totals.pushed += usize::from(sum.force != [0.0; 3]);
             totals.rate = totals.rate.max(sum.rate);
         }
         totals

@@ -33,7 +33,7 @@ pub struct Hertz {
 impl ContactStyle for Hertz {
     type Law = HertzLaw;
 
-    fn law(&self, solids: [&Solid; 2], _dt: f64) -> HertzLaw {
+    fn law(&self, solids: [&Solid; 2], _dt: f64, _longest: f64) -> HertzLaw {
         let compliance: f64 = solids.iter().map(|solid| compliance(solid.law.moduli())).sum();
         let factor = if self.dimension == 3 { 4.0 / 3.0 } else { FRAC_PI_4 };
         HertzLaw { stiffness: factor / compliance }
