@@ -190,14 +190,12 @@ fn extents_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut Wo
     world.grid.extents = extents;
 }
 
-/// A candidate is taken before an earlier one if its gap is wider by this part of a cell.
-const WIDER: f64 = 0.05;
-
 /// n <- the candidate along which the bodies lie farthest apart, gap <- their distance along it. At
 /// the corner of a body g1 - g2 points anywhere between two faces; the face that lies between the
-/// bodies is the one that parts them.
+/// bodies is the one that parts them. Any preference for g1 - g2 tilts the normals at the edges of a
+/// flat contact, where the pressure is highest, and drags the body back without friction.
 fn choose_normals(world: &mut World) {
-    let World { grid, contacts, domain, .. } = world;
+    let World { grid, contacts, .. } = world;
     for (couple, [first, second]) in grid.couples.iter_mut().zip(&grid.extents) {
         if !contacts.pairs[couple.pair as usize].touching || couple.normal == [0.0; 3] {
             continue;
@@ -205,7 +203,7 @@ fn choose_normals(world: &mut World) {
         let mut widest = f64::NEG_INFINITY;
         for (number, normal) in couple.candidates.into_iter().enumerate() {
             let gap = -(first[number] + second[number]);
-            if normal != [0.0; 3] && gap > widest + WIDER * domain.cell {
+            if normal != [0.0; 3] && gap > widest {
                 (couple.normal, couple.gap) = (normal, gap);
                 widest = gap;
             }

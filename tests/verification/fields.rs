@@ -254,22 +254,31 @@ fn a_block_sticks_below_the_angle_of_friction() {
 run_time(0.3)
 delete_fix(still)
 run_time(1)";
-    let moved = |method: &str, mu: f64| {
+    let moved = |method: &str, ppc: u32, mu: f64| {
         let contact = "frictional, block, floor, mu";
-        let played = incline(method, contact, 30.0, mu).statement("run_time", rest).play(&[]);
+        let solid = format!("solid(block, region, high, {ppc}, soft, h)");
+        let script = incline(method, contact, 30.0, mu).statement("run_time", rest);
+        let played = script.statement("solid(block", &solid).play(&[]);
         let (way, time) = (played.column("way"), played.column("Time"));
         let begin = time.iter().position(|time| *time >= 0.3).unwrap();
         (way[way.len() - 1] - way[begin], last(&played, "c_s"))
     };
-    for method in ["ulmpm, FLIP, quadratic-spline, 1", "ulmpm, APIC, quadratic-spline"] {
-        let (way, heat) = moved(method, 0.6);
-        println!("{method}: {way:.2e} m in a second at rest, heat {heat:.2e}");
-        // Nodes at the edges carry little load and creep: V19 asks for 1e-6 m. A block that slides
-        // with mu = 0.5 goes 0.33 m.
-        assert!(way.abs() < 2e-4, "{method}: {way}");
-        let (slides, _) = moved(method, 0.5);
-        assert!(slides > 0.3, "{method}: {slides}");
+    // V19: 1e-6 m. Splines need 16 particles per cell for it: with four the rows of nodes beside the
+    // floor share the load unevenly, and those above the limit of friction creep. FLIP keeps noise
+    // that no node sees, which shakes the block.
+    for (method, ppc, most) in [
+        ("ulmpm, APIC, linear", 2, 1e-9),
+        ("ulmpm, APIC, quadratic-spline", 4, 1e-6),
+        ("ulmpm, APIC, quadratic-spline", 2, 2e-5),
+        ("ulmpm, FLIP, quadratic-spline, 1", 2, 2e-4),
+    ] {
+        let (way, heat) = moved(method, ppc, 0.6);
+        println!("{method}, {ppc}: {way:.2e} m in a second at rest, heat {heat:.2e}");
+        assert!(way.abs() < most, "{method}: {way}");
     }
+    // With mu = 0.5 the block slides 0.33 m.
+    let (slides, _) = moved("ulmpm, APIC, quadratic-spline", 2, 0.5);
+    assert!(slides > 0.3, "{slides}");
 }
 
 #[test]
@@ -462,4 +471,35 @@ fn a_pulled_block_is_held_back_by_mu_times_its_load() {
     // Without friction the same gate fails.
     let free = pulled_block(floor, "slip, block, floor").play(&[]);
     assert!((last(&free, "v_x") / (35293.0 / 3.0 * 1e-3) - 1.0).abs() < 0.02);
+}
+
+#[test]
+fn a_deformable_floor_holds_a_block_back_as_a_rigid_one_does() {
+    let impulses = |contact: &str| {
+        let played = pulled_block("linear, 5000, 1e9, 0.3", contact).play(&[]);
+        played.end.as_ref().expect("the run is stable");
+        let time = played.column("Time");
+        let sum = |name: &str| -> f64 {
+            let force = played.column(name);
+            let rows = (1..time.len()).filter(|row| time[*row] > 3e-4);
+            rows.map(|row| force[row] * (time[row] - time[row - 1])).sum()
+        };
+        let points = time.iter().copied().zip(played.column("v_x"));
+        let found = slope(&points.filter(|(t, _)| *t > 3e-4).collect::<Vec<_>>());
+        (-sum("c_x") / sum("c_y"), found)
+    };
+    let (ratio, found) = impulses("frictional, block, floor, mu");
+    let exact = 0.5 * 35293.0 / 3.0;
+    println!("drag over load {ratio:.6} of 0.5, {found:.1} of {exact:.1} m/s^2");
+    // All of the face slides: mu exactly, but for normals that turn with the dents of some 1e-3.
+    assert!((ratio - 0.5).abs() < 1e-3, "{ratio}");
+    // The block bounces on two bodies that give way, a little more than four times in the window: its
+    // load is not met within 1 %.
+    assert!((found / exact - 1.0).abs() < 0.02, "{found}");
+    let (ratio, free) = impulses("slip, block, floor");
+    println!("without friction {ratio:.1e}, {free:.1} of {:.1} m/s^2", 35293.0 / 3.0);
+    assert!(ratio.abs() < 1e-3 && (free * 3.0 / 35293.0 - 1.0).abs() < 2e-3, "{ratio} {free}");
+    // The form of the page takes its normals from the masses alone, tilted at the corners.
+    let (tilted, _) = impulses("frictional, block, floor, mu, on_nodes");
+    assert!(tilted > 0.6, "{tilted}");
 }
