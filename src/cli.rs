@@ -7,14 +7,16 @@ mod styles;
 use crate::command::play;
 use crate::command::session::{Mode, Session, Stop};
 use crate::error;
-use crate::fault::FaultKind;
+use crate::fault::{Fault, FaultKind};
 use crate::interrupt;
 use crate::output::{OutputOptions, Outputs};
+use crate::parallel::Ranks;
 use crate::script::diagnostic::{Code, Diagnostic, Severity, render};
 use crate::script::source::Source;
 use arguments::{Options, Task};
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// All is done.
@@ -44,22 +46,29 @@ fn run(arguments: Vec<OsString>) -> u8 {
         eprint!("{USAGE}");
         return WRONG;
     }
-    if let Some(message) = launcher::several_processes() {
-        eprintln!("{message}");
-        return WRONG;
-    }
+    let launched = match launcher::join() {
+        Ok(launched) => launched,
+        Err(message) => {
+            eprintln!("{message}");
+            return WRONG;
+        }
+    };
+    let ranks = &launched.ranks;
     let task = match arguments::parse(arguments) {
         Ok(task) => task,
         Err(problem) => {
             let code = problem.exit_code();
-            // A reader that has gone away (`| head`) is no error of ours.
-            let _ = problem.print();
+            if ranks.is_first() {
+                // A reader that has gone away (`| head`) is no error of ours.
+                let _ = problem.print();
+            }
             return if code == 0 { DONE } else { WRONG };
         }
     };
     match task {
-        Task::Run(options) => script(&options, Mode::Run),
-        Task::Check(options) => script(&options, Mode::Check),
+        Task::Styles { .. } | Task::Explain(_) | Task::Text(_) if !ranks.is_first() => DONE,
+        Task::Run(options) => script(&options, Mode::Run, ranks),
+        Task::Check(options) => script(&options, Mode::Check, ranks),
         Task::Styles { family, name } => show(styles::text(family.as_deref(), name.as_deref())),
         Task::Explain(code) => show(
             error::explain(&code)
@@ -83,25 +92,51 @@ fn show(text: Result<String, String>) -> u8 {
     }
 }
 
-/// Runs or checks a script.
-fn script(options: &Options, mode: Mode) -> u8 {
-    let bytes = match std::fs::read(&options.script) {
-        Ok(bytes) => bytes,
+/// The bytes of the script, which the first process reads for all.
+fn read(script: &Path, ranks: &Ranks) -> Result<Vec<u8>, Fault> {
+    let read = if ranks.is_first() { std::fs::read(script) } else { Ok(Vec::new()) };
+    let (mut bytes, fault) = match read {
+        Ok(bytes) => (bytes, None),
         Err(reason) => {
-            eprintln!("error: cannot read `{}`: {reason}", options.script.display());
+            let what = format!("cannot read `{}`: {reason}", script.display());
+            (Vec::new(), Some(Fault { kind: FaultKind::File, what, cause: None }))
+        }
+    };
+    ranks.agree(fault, &mut [])?;
+    if let Some(exchange) = ranks.exchange() {
+        exchange.broadcast(0, &mut bytes);
+    }
+    Ok(bytes)
+}
+
+/// Runs or checks a script.
+fn script(options: &Options, mode: Mode, ranks: &Ranks) -> u8 {
+    let bytes = match read(&options.script, ranks) {
+        Ok(bytes) => bytes,
+        Err(fault) => {
+            if ranks.is_first() {
+                eprintln!("error: {fault}");
+            }
             return FILES;
         }
     };
     // This thread works too, so that a sweep does not begin with waking another. Refused only if
     // the pool exists already, which is then the one to use.
     let pool = rayon::ThreadPoolBuilder::new().use_current_thread();
-    let _ = pool.num_threads(options.threads.unwrap_or(0)).build_global();
+    let threads = options.threads.or(launcher::threads(ranks));
+    let _ = pool.num_threads(threads.unwrap_or(0)).build_global();
     let (source, encoding) = Source::from_bytes(options.script.display().to_string(), &bytes);
     let (script, mut found) = play::rehearse(source, &options.variables);
     found.extend(encoding);
-    report(&found, &script.source);
     let errors = || found.iter().filter(|d| d.severity == Severity::Error);
-    if errors().next().is_some() {
+    let wrong = errors().next().is_some();
+    let [first_is_wrong, any_is_wrong] =
+        ranks.largest([wrong && ranks.is_first(), wrong].map(f64::from)).map(|wrong| wrong > 0.0);
+    // Files that only another process cannot read are its own to report.
+    if ranks.is_first() || (wrong && !first_is_wrong) {
+        report(&found, &script.source);
+    }
+    if any_is_wrong {
         let files = errors().all(|mistake| mistake.code == Code::FileSystem);
         return if files { FILES } else { WRONG };
     }
@@ -109,9 +144,11 @@ fn script(options: &Options, mode: Mode) -> u8 {
     let outputs = Outputs::new(OutputOptions {
         quiet: options.quiet || mode == Mode::Check,
         log: if mode == Mode::Check { None } else { options.log.clone() },
+        mute: !ranks.is_first(),
         title: format!("karamelo-rs {} {}", env!("CARGO_PKG_VERSION"), script.source.name),
     });
     let mut session = Session::new(outputs, mode);
+    session.simulation.set_ranks(ranks.clone());
     session.source = script.source.clone();
     session.echo = options.echo;
     let result = play::perform(&script, &mut session);
@@ -130,7 +167,9 @@ fn finish(mut session: Session, found: &[Diagnostic]) -> u8 {
     if session.mode == Mode::Run {
         let warning = |d: &&Diagnostic| d.severity == Severity::Warning;
         let warnings: Vec<Diagnostic> = found.iter().filter(warning).cloned().collect();
-        report(&warnings, &session.source);
+        if session.speaks() {
+            report(&warnings, &session.source);
+        }
     }
     DONE
 }
@@ -139,15 +178,24 @@ fn finish(mut session: Session, found: &[Diagnostic]) -> u8 {
 fn stopped(stop: Stop, session: &mut Session) -> u8 {
     // What is written so far stays; a second failure would only hide the first one.
     let _ = session.simulation.outputs.close();
+    if session.speaks() {
+        tell(&stop, session);
+    }
     match stop {
-        Stop::Script(mistakes) => {
-            report(&mistakes, &session.source);
-            WRONG
-        }
+        Stop::Script(_) => WRONG,
+        Stop::Interrupted => INTERRUPTED,
+        Stop::Fault(Fault { kind: FaultKind::Run, .. }) => RUN_FAILED,
+        Stop::Fault(Fault { kind: FaultKind::File, .. }) => FILES,
+    }
+}
+
+/// Tells why the performance ended early.
+fn tell(stop: &Stop, session: &Session) {
+    match stop {
+        Stop::Script(mistakes) => report(mistakes, &session.source),
         Stop::Interrupted => {
             let clock = session.simulation.clock;
             eprintln!("stopped by the user at step {}, time {}", clock.step, clock.time);
-            INTERRUPTED
         }
         Stop::Fault(fault) => {
             eprintln!("error: {fault}");
@@ -157,10 +205,6 @@ fn stopped(stop: Stop, session: &mut Session) -> u8 {
             let written = session.simulation.outputs.written();
             if !written.is_empty() {
                 eprintln!("   = kept: {}", written.join(", "));
-            }
-            match fault.kind {
-                FaultKind::Run => RUN_FAILED,
-                FaultKind::File => FILES,
             }
         }
     }

@@ -15,7 +15,7 @@
 //!
 //! # Layers
 //!
-//! Each imports only to its left: math, fault, geometry -> script -> style -> model, region, shape ->
+//! Each imports only to its left: math, fault, geometry -> script, parallel -> style -> model, region, shape ->
 //! material -> world -> plan, step -> kernel -> fix, compute -> measure -> scheme -> output ->
 //! simulation -> command, cli. `tests/layers.rs` fails on an arrow that runs back.
 //!
@@ -49,6 +49,7 @@ pub mod memory;
 pub mod method;
 pub mod model;
 pub mod output;
+pub mod parallel;
 pub mod plan;
 pub mod region;
 pub mod scheme;

@@ -1,5 +1,6 @@
 //! Small mathematics: tensors, polar decomposition, four-wide numbers.
 
+pub mod exact_sum;
 pub mod principal;
 pub mod tensor;
 pub mod transcendental;

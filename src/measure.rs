@@ -2,7 +2,9 @@
 
 use crate::compute::Compute;
 use crate::fix::Fix;
+use crate::math::exact_sum::{ExactSum, VectorSum};
 use crate::model::group::GroupId;
+use crate::parallel::Ranks;
 use crate::script::formula::{GroupFunction, Quantity};
 use crate::world::World;
 
@@ -20,7 +22,8 @@ struct Sum {
     function: GroupFunction,
     name: String,
     group: GroupId,
-    value: [f64; 3],
+    /// Over the nodes of this process.
+    value: VectorSum,
 }
 
 impl Captured {
@@ -38,7 +41,7 @@ impl Captured {
                 continue;
             };
             let known = self.sums.iter().find(|sum| sum.is(*function, name));
-            let value = known.map_or([0.0; 3], |sum| sum.value);
+            let value = known.map_or(VectorSum::default(), |sum| sum.value.clone());
             sums.push(Sum {
                 function: *function,
                 name: name.clone(),
@@ -68,18 +71,19 @@ impl Captured {
 
     fn take(&mut self, function: GroupFunction, world: &World, force: impl Fn(usize) -> [f64; 4]) {
         for sum in self.sums.iter_mut().filter(|sum| sum.function == function) {
-            sum.value = [0.0; 3];
+            sum.value.clear();
             for node in world.grid.of_group(sum.group) {
-                let force = force(*node as usize);
-                for (value, force) in sum.value.iter_mut().zip(force) {
-                    *value += force;
+                if world.grid.counts(*node as usize) {
+                    let [x, y, z, _] = force(*node as usize);
+                    sum.value.add([x, y, z]);
                 }
             }
         }
     }
 
-    fn value(&self, function: GroupFunction, name: &str, axis: usize) -> f64 {
-        self.sums.iter().find(|sum| sum.is(function, name)).map_or(0.0, |sum| sum.value[axis])
+    fn value(&self, ranks: &Ranks, function: GroupFunction, name: &str, axis: usize) -> f64 {
+        let sum = self.sums.iter().find(|sum| sum.is(function, name));
+        sum.map_or(0.0, |sum| ranks.total(&sum.value.0[axis]))
     }
 }
 
@@ -112,14 +116,16 @@ pub fn value(
         Quantity::Contact { id, component } => {
             let contact = world.contacts.list.iter().find(|contact| contact.name == *id);
             contact.map_or(0.0, |contact| {
-                let [x, y, z] = contact.force;
-                [x, y, z, contact.heat][*component]
+                let [x, y, z] = contact.force.0.each_ref();
+                world.ranks.total([x, y, z, &contact.heat][*component])
             })
         }
         Quantity::Group { function: GroupFunction::Xcm, group, axis } => {
             centre_of_mass(world, group, *axis)
         }
-        Quantity::Group { function, group, axis } => captured.value(*function, group, *axis),
+        Quantity::Group { function, group, axis } => {
+            captured.value(&world.ranks, *function, group, *axis)
+        }
     }
 }
 
@@ -129,14 +135,15 @@ fn centre_of_mass(world: &World, group: &str, axis: usize) -> f64 {
     let Some(index) = world.groups.0.iter().position(|known| known.name == group) else {
         return 0.0;
     };
-    let (mut mass, mut volume) = ([0.0; 2], [0.0; 2]);
+    let mut sums: [ExactSum; 4] = Default::default();
     for p in world.particles.of_group(&world.groups, GroupId(index)) {
         let (position, velocity) = (world.particles.position[p], world.particles.velocity[p]);
-        for (sum, weight) in [(&mut mass, position[3]), (&mut volume, velocity[3])] {
-            sum[0] += weight;
-            sum[1] += weight * position[axis];
+        for (sums, weight) in sums.chunks_mut(2).zip([position[3], velocity[3]]) {
+            sums[0].add(weight);
+            sums[1].add(weight * position[axis]);
         }
     }
-    let [weight, moment] = if mass[0] > 0.0 { mass } else { volume };
+    let [mass, of_mass, volume, of_volume] = world.ranks.totals(sums.each_ref());
+    let (weight, moment) = if mass > 0.0 { (mass, of_mass) } else { (volume, of_volume) };
     if weight > 0.0 { moment / weight } else { 0.0 }
 }

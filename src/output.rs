@@ -41,6 +41,11 @@ pub trait Dump: Send {
     /// What its fields need of the scene.
     fn needs(&self, plan: &mut Plan, dimension: usize);
 
+    /// Does it show nodes?
+    fn shows_nodes(&self) -> bool {
+        false
+    }
+
     /// Writes one snapshot; gives the file written.
     ///
     /// # Errors

@@ -65,6 +65,12 @@ pub struct Loops {
     pub clipped: u64,
     /// Corners of domains may lie farther from their particles than tiles allow for.
     pub outgrown: bool,
+    /// Particles may leave their tile, or the box, in this step: they are sorted when they have moved.
+    pub unsorted: bool,
+    /// The first fault of this process in the step under way.
+    pub fault: Option<Fault>,
+    /// Memory for what processes agree on.
+    pub numbers: Vec<f64>,
     /// The first particle (its id) of this run whose domain was cut, and when.
     pub cut: Option<(u32, f64)>,
     /// Particles of this run that left the box and were removed.
@@ -120,11 +126,31 @@ pub struct Parts<'a> {
 }
 
 impl Parts<'_> {
+    /// A fault ends the step at once if there is one process. Of several none may leave the others
+    /// waiting: the first fault is noted, and the step goes on until all agree.
+    ///
+    /// # Errors
+    /// The fault.
+    fn note(&mut self, result: Result<(), Fault>) -> Result<(), Fault> {
+        match result {
+            Err(fault) if !self.world.ranks.is_alone() => {
+                self.loops.fault.get_or_insert(fault);
+                Ok(())
+            }
+            result => result,
+        }
+    }
+
     /// The fixes of one stage act.
     ///
     /// # Errors
     /// The first fault of a fix.
     pub fn act(&mut self, stage: Stage) -> Result<(), Fault> {
+        let result = self.fixes_at(stage);
+        self.note(result)
+    }
+
+    fn fixes_at(&mut self, stage: Stage) -> Result<(), Fault> {
         if self.hooks.at[stage as usize].is_empty() {
             return Ok(());
         }
@@ -134,12 +160,14 @@ impl Parts<'_> {
             self.board.values[slot.0] =
                 measure::value(quantity, self.world, self.fixes, self.computes, self.captured);
         }
+        let mut result = Ok(());
         for fix in &hooks.at[stage as usize] {
             let step = &mut Step { clock: self.clock, world: self.world, board: self.board };
-            self.fixes[*fix].1.apply(stage, step)?;
+            // Each fix acts, so that all processes make the same calls.
+            result = result.and(self.fixes[*fix].1.apply(stage, step));
         }
         self.loops.timing.end(Phase::Fixes);
-        Ok(())
+        result
     }
 
     /// Line 4: external forces of particles are cleared, then H1.
@@ -247,7 +275,8 @@ impl Parts<'_> {
         if self.world.grid.keeps.temperature
             && !conduction::gather(&mut self.loops.tiles, self.world)
         {
-            return Err(watch::too_hot(self.world, &self.clock));
+            let fault = watch::too_hot(self.world, &self.clock);
+            self.note(Err(fault))?;
         }
         self.world.contacts.ready = false;
         let split = self.hooks.any(&[Stage::PostGridToPoint, Stage::PostAdvanceParticles]);
@@ -257,8 +286,8 @@ impl Parts<'_> {
             rigid::keep(self.world);
         }
         let mut report = gather::sweep(&mut self.loops.tiles, self.world, numbers);
+        self.world.rigid.flagged = false;
         if rigid {
-            self.world.rigid.flagged = false;
             report.farthest = report.farthest.max(rigid::restore(self.world, self.clock.dt));
         }
         self.loops.timing.end(Phase::GridToPoints);
@@ -279,48 +308,67 @@ impl Parts<'_> {
             self.loops.timing.end(Phase::GridToPoints);
         }
         if !report.watch.is_finite() {
-            return Err(watch::not_finite(self.world, self.is_fragile(), &self.clock));
+            let fault = watch::not_finite(self.world, self.is_fragile(), &self.clock);
+            self.note(Err(fault))?;
         }
         if !self.world.method.total {
+            self.agree_on_sort(report.farthest)?;
             advect::sweep(&mut self.loops.tiles, self.world, self.clock.dt);
-            self.loops.travelled += report.farthest / self.world.domain.cell;
-            let removed = self.mind_walls()?;
-            if removed || self.loops.travelled > MOVEMENT || self.loops.outgrown {
-                self.sort();
-            }
         }
         Ok(())
     }
 
-    /// Removes or reflects particles about to leave the box, if asked to; tells whether any was
-    /// removed. A reflected particle moves no farther than it would have.
+    /// All processes agree that none has failed, and whether particles are to be sorted when they
+    /// have moved: one of them may leave its tile, or the box.
     ///
     /// # Errors
-    /// No particle is left.
-    fn mind_walls(&mut self) -> Result<bool, Fault> {
+    /// The fault of a process.
+    fn agree_on_sort(&mut self, farthest: f64) -> Result<(), Fault> {
+        let leaving = self.mind_walls();
+        let loops = &mut *self.loops;
+        // What is not finite has been noted already.
+        let farthest = if farthest.is_finite() { farthest } else { 0.0 };
+        let travelled = loops.travelled + farthest / self.world.domain.cell;
+        let mut numbers = [travelled, f64::from(loops.outgrown), f64::from(leaving)];
+        self.world.ranks.agree(loops.fault.take(), &mut numbers)?;
+        let [travelled, outgrown, leaving] = numbers;
+        loops.travelled = travelled;
+        loops.unsorted = travelled > MOVEMENT || outgrown > 0.0 || leaving > 0.0;
+        Ok(())
+    }
+
+    /// Reflects particles about to leave the box, if asked to; tells whether any is to be removed. A
+    /// reflected particle moves no farther than it would have.
+    fn mind_walls(&mut self) -> bool {
         let boundary = self.world.boundary;
         if boundary == Boundary::Error || !walls::any_outside(self.world, self.loops.tiles.parallel)
         {
-            return Ok(false);
+            return false;
         }
         if boundary == Boundary::Bounce {
             self.loops.bounced += walls::bounce(self.world);
-            return Ok(false);
         }
-        self.loops.removed += walls::remove(self.world, &mut self.loops.keep);
-        match self.world.particles.is_empty() {
-            true => Err(watch::all_gone(&self.clock)),
-            false => Ok(true),
-        }
+        boundary == Boundary::Delete
     }
 
-    /// Sorts the particles by the places they are about to have.
-    pub fn sort(&mut self) {
+    /// Sorts the particles where they have moved to, less those that have left the box.
+    ///
+    /// # Errors
+    /// No particle is left.
+    fn sort(&mut self) -> Result<(), Fault> {
+        if self.world.boundary == Boundary::Delete {
+            self.loops.removed += walls::remove(self.world, &mut self.loops.keep);
+            let [left] = self.world.ranks.count([self.world.particles.len()]);
+            if left == 0 {
+                return Err(watch::all_gone(&self.clock));
+            }
+        }
         self.loops.sorter.sort(self.world, &mut self.loops.tiles);
         self.loops.travelled = 0.0;
-        self.loops.outgrown = false;
+        (self.loops.outgrown, self.loops.unsorted) = (false, false);
         self.loops.sorts += 1;
         self.loops.timing.end(Phase::Sort);
+        Ok(())
     }
 
     /// Are masses and momenta of the next step those of the second mapping?
@@ -412,12 +460,13 @@ impl Parts<'_> {
         }
     }
 
-    /// Line 15 and x += dx; P2G of the next step follows at once unless a fix acts before it.
+    /// Line 15 and x += dx; P2G of the next step follows at once unless particles are to be sorted or
+    /// a fix acts before it.
     ///
     /// # Errors
     /// A law that fails or a particle that leaves the box.
     pub fn stress(&mut self) -> Result<(), Fault> {
-        let force = !self.hooks.any(&[Stage::InitialIntegrate]);
+        let force = !self.hooks.any(&[Stage::InitialIntegrate]) && !self.loops.unsorted;
         let motion = force && !self.loops.carried;
         let matrix_is_gradient = self.transfer.kind == TransferKind::Mls;
         let stress = Points { matrix_is_gradient, ..self.points_of_stress() };
@@ -425,7 +474,7 @@ impl Parts<'_> {
         self.book_stress();
         self.loops.limits.clone_from(&self.loops.tiles.by_lattice);
         self.loops.scattered = force;
-        Ok(())
+        if self.loops.unsorted { self.sort() } else { Ok(()) }
     }
 
     /// Line 15 and the internal forces of this step (usf).
@@ -444,11 +493,11 @@ impl Parts<'_> {
     /// # Errors
     /// A particle that leaves the box.
     pub fn advance(&mut self) -> Result<(), Fault> {
-        let motion = !self.hooks.any(&[Stage::InitialIntegrate]);
+        let motion = !self.hooks.any(&[Stage::InitialIntegrate]) && !self.loops.unsorted;
         grid::clear(&mut self.world.grid, self.loops.tiles.parallel);
         self.sweep_points(Points { advance: true, motion, ..self.points() })?;
         self.loops.scattered = motion;
-        Ok(())
+        if self.loops.unsorted { self.sort() } else { Ok(()) }
     }
 
     /// Do strains follow from velocities that hardly any mass carries: those of `usl`, or those of
@@ -477,13 +526,13 @@ impl Parts<'_> {
             self.loops.cut = Some((id, self.clock.time + self.clock.dt));
         }
         self.loops.timing.end(Phase::Stress);
-        if let Some(particle) = report.failed {
-            return Err(watch::inverted(self.world, particle, self.is_fragile(), &self.clock));
-        }
-        if let Some(particle) = report.escaped {
-            return Err(watch::escaped(self.world, particle, &self.clock));
-        }
-        Ok(())
+        let failed = report
+            .failed
+            .map(|particle| watch::inverted(self.world, particle, self.is_fragile(), &self.clock));
+        let deletes = self.world.boundary == Boundary::Delete;
+        let escaped = report.escaped.filter(|_| !deletes);
+        let escaped = escaped.map(|particle| watch::escaped(self.world, particle, &self.clock));
+        self.note(failed.or(escaped).map_or(Ok(()), Err))
     }
 }
 

@@ -1,9 +1,11 @@
 //! Owns all parts of a simulation and runs it.
 
+mod agree;
 mod describe;
 pub mod fill;
 mod run;
 mod setup;
+mod whole;
 
 use crate::compute::Compute;
 use crate::fix::Fix;
@@ -64,6 +66,8 @@ pub struct Simulation {
     floor: Floor,
     /// Bits of particle groups given out so far.
     bits: usize,
+    /// The user has asked some process to stop.
+    pub interrupted: bool,
 }
 
 impl Simulation {

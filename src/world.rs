@@ -12,6 +12,7 @@ use crate::model::lattice::Lattice;
 use crate::model::ledger::Ledger;
 use crate::model::particles::Particles;
 use crate::model::rigid::Rigid;
+use crate::parallel::Ranks;
 use crate::region::Bounds;
 use crate::shape::ShapeKind;
 use crate::shape::corners::corner_of_parallel;
@@ -60,6 +61,7 @@ impl Spreading {
 }
 
 /// Everything that has a place.
+#[derive(Clone)]
 pub struct World {
     /// The box and its cells.
     pub domain: Domain,
@@ -85,6 +87,8 @@ pub struct World {
     pub rigid: Rigid,
     /// Multi-field contacts.
     pub contacts: Contacts,
+    /// The processes among which particles are dealt out.
+    pub ranks: Ranks,
 }
 
 thread_local! {
@@ -162,10 +166,10 @@ impl World {
         }
     }
 
-    /// Calls `visit(range, solid, state)` for the particles in storage order, in chunks of at most
-    /// [`LANES`] particles of one solid.
+    /// Calls `visit(range, solid, state)` for the particles that this process counts, in storage
+    /// order, in chunks of at most [`LANES`] particles of one solid.
     pub fn each_chunk(&self, mut visit: impl FnMut(Range<usize>, &Solid, &State)) {
-        let of = &self.particles.solid;
+        let of = &self.particles.solid[self.particles.counted()];
         STATE.with_borrow_mut(|state| {
             let mut start = 0;
             while let Some(first) = of.get(start) {

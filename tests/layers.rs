@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 /// From the bottom to the top; modules in one row may know each other.
 const LAYERS: [&[&str]; 14] = [
     &["math", "fault", "memory", "interrupt", "timing", "geometry"],
-    &["script"],
+    &["script", "parallel"],
     &["style"],
     &["model", "region", "shape", "transfer", "method"],
     &["material", "eos", "strength", "damage", "temperature"],

@@ -133,8 +133,8 @@ fn on_a_floor(rigid: bool, transfer: Transfer, scheme: &'static dyn Scheme) -> S
         rule: Rule::Frictional(0.3),
         solids: Some([0, 1]),
         touching: true,
-        force: [0.0; 3],
-        heat: 0.0,
+        force: Default::default(),
+        heat: Default::default(),
     });
     simulation.add_compute("W", Box::new(EnergyLedger));
     simulation

@@ -1,4 +1,5 @@
-//! The same bits for any number of threads, twice in a row, and in one run or several.
+//! The same bits for any number of threads, twice in a row, in one run or several, and (feature `mpi`)
+//! for any number of processes.
 
 use assert_cmd::cargo::cargo_bin;
 use std::collections::BTreeMap;
@@ -75,22 +76,41 @@ const METHODS: [&str; 12] = [
     "method(ulcpdi, AFLIP, linear, 0.99, thermo-mechanical)\nanti_locking(fbar)",
 ];
 
+/// How a scene is run beside one thread: threads, or processes of one thread each.
+#[cfg(not(feature = "mpi"))]
+const OTHERS: [&str; 2] = ["2", "3"];
+#[cfg(feature = "mpi")]
+const OTHERS: [&str; 2] = ["2 processes", "3 processes"];
+
+/// The program in so many threads or processes.
+fn program(how: &str) -> Command {
+    let binary = cargo_bin!("karamelo-rs");
+    let Some(count) = how.strip_suffix(" processes") else {
+        let mut command = Command::new(binary);
+        command.args(["--threads", how]);
+        return command;
+    };
+    let mut command = Command::new("mpirun");
+    // Containers run as root.
+    command.envs([("OMPI_ALLOW_RUN_AS_ROOT", "1"), ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")]);
+    command.args(["--oversubscribe", "--bind-to", "none", "-np", count]);
+    command.arg(binary).args(["--threads", "1"]);
+    command
+}
+
 /// Runs the script; gives the bytes of all dumps and the rows of the log.
-fn outputs(method: &str, threads: &str, runs: &str) -> BTreeMap<String, Vec<u8>> {
-    outputs_of(&SCRIPT.replace(METHODS[0], method), threads, runs)
+fn outputs(method: &str, how: &str, runs: &str) -> BTreeMap<String, Vec<u8>> {
+    outputs_of(&SCRIPT.replace(METHODS[0], method), how, runs)
 }
 
 /// The same for a script of another kind.
-fn outputs_of(text: &str, threads: &str, runs: &str) -> BTreeMap<String, Vec<u8>> {
+fn outputs_of(text: &str, how: &str, runs: &str) -> BTreeMap<String, Vec<u8>> {
     let directory = tempfile::tempdir().unwrap();
     let script = directory.path().join("in.mpm");
     std::fs::write(&script, format!("{text}{runs}")).unwrap();
-    let status = Command::new(cargo_bin!("karamelo-rs"))
-        .args(["in.mpm", "--quiet", "--threads", threads])
-        .current_dir(directory.path())
-        .status()
-        .unwrap();
-    assert!(status.success());
+    let status =
+        program(how).args(["in.mpm", "--quiet"]).current_dir(directory.path()).status().unwrap();
+    assert!(status.success(), "{how}");
     read(directory.path())
 }
 
@@ -117,22 +137,22 @@ fn read(directory: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 #[test]
-fn threads_do_not_change_a_byte() {
+fn neither_threads_nor_processes_change_a_byte() {
     for method in METHODS {
         let one = outputs(method, "1", "run(120)");
         assert!(one.len() > 7 + 3 + 3 + 3, "{:?}", one.keys());
-        for threads in ["1", "2", "3"] {
-            let other = outputs(method, threads, "run(120)");
+        for how in ["1"].into_iter().chain(OTHERS) {
+            let other = outputs(method, how, "run(120)");
             for (name, bytes) in &one {
                 let same = other.get(name) == Some(bytes);
-                assert!(same, "{method}: {name} differs with {threads} threads");
+                assert!(same, "{method}: {name} differs with {how}");
             }
         }
     }
 }
 
 #[test]
-fn threads_do_not_change_a_byte_of_bodies_of_revolution() {
+fn neither_threads_nor_processes_change_a_byte_of_bodies_of_revolution() {
     let metal = "von-mises, 2000, 1e6, 0.3, 1e4";
     let soils = [
         "mohr-coulomb, 2000, 1e6, 0.3, 1e4, 30, 5, 5e3, 1e6, 2e3, 25, 0",
@@ -144,9 +164,9 @@ fn threads_do_not_change_a_byte_of_bodies_of_revolution() {
         let text = ROUND.replace(METHODS[0], method).replace(metal, law);
         let one = outputs_of(&text, "1", "run(120)");
         assert!(one.len() > 7 + 3, "{:?}", one.keys());
-        for threads in ["2", "3"] {
-            let other = outputs_of(&text, threads, "run(120)");
-            assert!(one == other, "{method}, {law}: differs with {threads} threads");
+        for how in OTHERS {
+            let other = outputs_of(&text, how, "run(120)");
+            assert!(one == other, "{method}, {law}: differs with {how}");
         }
     }
 }
@@ -176,20 +196,20 @@ dump(d, all, grid, 60, g.*.dump, x, y, vx, vy, mass)
 ";
 
 #[test]
-fn threads_do_not_change_a_byte_of_gases() {
+fn neither_threads_nor_processes_change_a_byte_of_gases() {
     for method in [METHODS[1], METHODS[3], METHODS[5]] {
         let text = GASES.replace(METHODS[0], method);
         let one = outputs_of(&text, "1", "run(60)");
         assert!(one.len() > 4, "{:?}", one.keys());
-        for threads in ["2", "3"] {
-            let other = outputs_of(&text, threads, "run(60)");
-            assert!(one == other, "{method}: differs with {threads} threads");
+        for how in OTHERS {
+            let other = outputs_of(&text, how, "run(60)");
+            assert!(one == other, "{method}: differs with {how}");
         }
     }
 }
 
 #[test]
-fn threads_do_not_change_a_byte_of_what_rigid_bodies_do() {
+fn neither_threads_nor_processes_change_a_byte_of_what_rigid_bodies_do() {
     let soft = "material(soft, neo-hookean, 1000, 1e5, 0.3, 500, 1e4)";
     let rigid = SCRIPT.replace(soft, "material(soft, rigid, 1000)");
     for method in &METHODS[..6] {
@@ -207,15 +227,15 @@ log_modify(custom, step, dt, Ek, Es, {force})\n"
         let log = String::from_utf8(one["log.mpm"].clone()).unwrap();
         let force = log.lines().last().unwrap().split_whitespace().last().unwrap();
         assert!(force.parse::<f64>().unwrap().abs() > 1.0, "{method}: nothing touched, {force}");
-        for threads in ["2", "3"] {
-            let other = outputs_of(&text, threads, "run(120)");
-            assert!(one == other, "{method}: differs with {threads} threads");
+        for how in OTHERS {
+            let other = outputs_of(&text, how, "run(120)");
+            assert!(one == other, "{method}: differs with {how}");
         }
     }
 }
 
 #[test]
-fn threads_do_not_change_a_byte_of_bodies_in_contact() {
+fn neither_threads_nor_processes_change_a_byte_of_bodies_in_contact() {
     let soft = "material(soft, neo-hookean, 1000, 1e5, 0.3, 500, 1e4)";
     let body = "solid(body, region, ball, 2, hard, h)";
     assert!(SCRIPT.contains(soft) && SCRIPT.contains(body));
@@ -226,9 +246,9 @@ fn threads_do_not_change_a_byte_of_bodies_in_contact() {
         let text = SCRIPT.replace(METHODS[0], method).replace(soft, base).replace(body, &contact);
         let text = text.replace(", stand_z", ", stand_z, c_x, c_y, c_z, c_s");
         let one = outputs_of(&text, "1", "run(45)");
-        for threads in ["2", "3"] {
-            let same = one == outputs_of(&text, threads, "run(45)");
-            assert!(same, "{method}, {base}: differs with {threads} threads");
+        for how in OTHERS {
+            let same = one == outputs_of(&text, how, "run(45)");
+            assert!(same, "{method}, {base}: differs with {how}");
         }
         // They meet: without the contact the last row is another one.
         let other = outputs_of(
@@ -241,13 +261,13 @@ fn threads_do_not_change_a_byte_of_bodies_in_contact() {
 }
 
 #[test]
-fn threads_do_not_change_the_energy_ledger() {
+fn neither_threads_nor_processes_change_the_energy_ledger() {
     let runs = "compute(W, energy_ledger, all)
 log_modify(custom, step, W_stored, W_plastic, W_viscous, W_damage, W_heat, W_numerical, W_residual)
 run(60)";
     let one = outputs(METHODS[0], "1", runs);
-    for threads in ["2", "3"] {
-        assert!(outputs(METHODS[0], threads, runs)["log.mpm"] == one["log.mpm"]);
+    for how in OTHERS {
+        assert!(outputs(METHODS[0], how, runs)["log.mpm"] == one["log.mpm"]);
     }
 }
 
@@ -260,7 +280,7 @@ fn a_force_in_the_twelfth_digit_is_seen() {
 }
 
 #[test]
-fn threads_do_not_change_what_the_box_reflects_or_removes() {
+fn neither_threads_nor_processes_change_what_the_box_reflects_or_removes() {
     for policy in ["bounce", "delete"] {
         // Without the floor, and fast enough to leave through two walls.
         let text = SCRIPT.replace("fix(stand, velocity_nodes, floor, 0, 0, 0)", "");
@@ -269,8 +289,8 @@ fn threads_do_not_change_what_the_box_reflects_or_removes() {
             "{text}boundary({policy})\nfix(all_down, initial_velocity_particles, all, 6, 0, -9)\n"
         );
         let one = outputs_of(&text, "1", "run(60)");
-        for threads in ["2", "3"] {
-            assert!(one == outputs_of(&text, threads, "run(60)"), "{policy}, {threads} threads");
+        for how in OTHERS {
+            assert!(one == outputs_of(&text, how, "run(60)"), "{policy}, {how}");
         }
         let particles = |step: u32| {
             let name = format!("p.{step}.dump");

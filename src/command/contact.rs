@@ -74,7 +74,8 @@ pub fn contact(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnos
         args.scope.check_result(&name, id.span)?;
         args.scope.publish(&name, Quantity::Contact { id: id.text.clone(), component });
     }
-    let contact = Contact { name: id.text, rule, solids, touching, force: [0.0; 3], heat: 0.0 };
+    let (force, heat) = Default::default();
+    let contact = Contact { name: id.text, rule, solids, touching, force, heat };
     Ok(action(move |session| session.simulation.add_contact(contact)))
 }
 

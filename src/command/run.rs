@@ -3,7 +3,6 @@
 use super::scene::Scene;
 use super::session::{Mode, Session, Stop};
 use super::{Action, action};
-use crate::interrupt;
 use crate::script::arguments::{Args, Place};
 use crate::script::diagnostic::{Code, Diagnostic};
 use crate::script::formula::Formula;
@@ -131,11 +130,13 @@ fn perform(until: Until) -> Action {
         session.show_warnings();
         if session.mode == Mode::Check {
             let text = session.simulation.describe(&until)?;
-            // A reader that has gone away (`| head`) is no error of ours.
-            let _ = writeln!(std::io::stdout(), "{text}");
+            if session.speaks() {
+                // A reader that has gone away (`| head`) is no error of ours.
+                let _ = writeln!(std::io::stdout(), "{text}");
+            }
             return Ok(());
         }
         session.simulation.run(until)?;
-        if interrupt::requested() { Err(Stop::Interrupted) } else { Ok(()) }
+        if session.simulation.interrupted { Err(Stop::Interrupted) } else { Ok(()) }
     })
 }

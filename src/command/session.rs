@@ -69,6 +69,11 @@ impl Session {
         }
     }
 
+    /// Does this process speak to the user?
+    pub fn speaks(&self) -> bool {
+        self.simulation.world.ranks.is_first()
+    }
+
     /// Shows an assignment, if asked to.
     pub fn show(&mut self, line: &str) {
         if self.echo {
@@ -85,7 +90,7 @@ impl Session {
     /// Shows the warnings found since the last time.
     pub fn show_warnings(&mut self) {
         let warnings = std::mem::take(&mut self.warnings);
-        if !warnings.is_empty() {
+        if !warnings.is_empty() && self.speaks() {
             eprint!("{}", render(&warnings, &self.source, std::io::stderr().is_terminal()));
         }
     }

@@ -2,6 +2,7 @@
 
 use super::{BuildCompute, Compute};
 use crate::fix::GroupKind;
+use crate::math::exact_sum::VectorSum;
 use crate::model::group::GroupId;
 use crate::style::Style;
 use crate::world::World;
@@ -38,15 +39,16 @@ impl Compute for AngularMomentum {
     }
 
     fn evaluate(&self, world: &World, out: &mut [f64]) {
-        out.fill(0.0);
+        let mut sums = VectorSum::default();
         for p in world.particles.of_group(&world.groups, self.group) {
             let [x, y, z, mass] = world.particles.position[p];
             let r = [x - self.centre[0], y - self.centre[1], z - self.centre[2]];
             let v = world.particles.velocity[p];
-            for (axis, sum) in out.iter_mut().enumerate() {
+            sums.add(std::array::from_fn(|axis| {
                 let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
-                *sum += mass * (r[a] * v[b] - r[b] * v[a]);
-            }
+                mass * (r[a] * v[b] - r[b] * v[a])
+            }));
         }
+        out.copy_from_slice(&world.ranks.vector(&sums));
     }
 }

@@ -3,6 +3,7 @@
 use super::{BuildCompute, Compute};
 use crate::fix::GroupKind;
 use crate::material::state::PLACES;
+use crate::math::exact_sum::ExactSum;
 use crate::model::column::Column;
 use crate::model::group::GroupId;
 use crate::style::Style;
@@ -31,22 +32,21 @@ impl Compute for AverageStress {
     }
 
     fn evaluate(&self, world: &World, out: &mut [f64]) {
-        out.fill(0.0);
+        let mut sums: [ExactSum; 7] = Default::default();
         let (particles, description) = (&world.particles, world.description());
         let members = &world.groups[self.0].members;
-        let mut sum = 0.0;
         world.each_chunk(|range, solid, state| {
             for (lane, p) in range.enumerate().filter(|(_, p)| particles.belongs(*p, members)) {
                 let volume = state.value(Column::J, lane) * particles.velocity[p][3];
                 let stress = description.stress(&*solid.law, state, lane);
-                for (out, place) in out.iter_mut().zip(PLACES) {
-                    *out += volume * stress[place];
+                for (sum, place) in sums.iter_mut().zip(PLACES) {
+                    sum.add(volume * stress[place]);
                 }
-                sum += volume;
+                sums[6].add(volume);
             }
         });
-        if sum > 0.0 {
-            out.iter_mut().for_each(|out| *out /= sum);
-        }
+        let [stresses @ .., volume] = world.ranks.totals(sums.each_ref());
+        let mean = |stress: f64| if volume > 0.0 { stress / volume } else { 0.0 };
+        out.copy_from_slice(&stresses.map(mean));
     }
 }

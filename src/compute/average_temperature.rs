@@ -2,6 +2,7 @@
 
 use super::{BuildCompute, Compute};
 use crate::fix::GroupKind;
+use crate::math::exact_sum::ExactSum;
 use crate::model::column::Column;
 use crate::model::group::GroupId;
 use crate::style::Style;
@@ -29,12 +30,13 @@ impl Compute for AverageTemperature {
 
     fn evaluate(&self, world: &World, out: &mut [f64]) {
         let values = world.particles.column(Column::Temperature);
-        let (mut heat, mut mass) = (0.0, 0.0);
+        let (mut heat, mut mass) = (ExactSum::default(), ExactSum::default());
         for p in world.particles.of_group(&world.groups, self.0) {
             let m = world.particles.position[p][3];
-            heat += m * values.get(p).copied().unwrap_or(0.0);
-            mass += m;
+            heat.add(m * values.get(p).copied().unwrap_or(0.0));
+            mass.add(m);
         }
+        let [heat, mass] = world.ranks.totals([&heat, &mass]);
         out[0] = if mass > 0.0 { heat / mass } else { 0.0 };
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{BuildCompute, Compute};
 use crate::fix::GroupKind;
+use crate::math::exact_sum::VectorSum;
 use crate::model::group::GroupId;
 use crate::style::Style;
 use crate::world::World;
@@ -27,16 +28,14 @@ impl Compute for AverageVelocity {
     }
 
     fn evaluate(&self, world: &World, out: &mut [f64]) {
-        let mut count = 0.0;
-        out.fill(0.0);
+        let (mut count, mut sums) = (0, VectorSum::default());
         for p in world.particles.of_group(&world.groups, self.0) {
-            count += 1.0;
-            for (sum, v) in out.iter_mut().zip(world.particles.velocity[p]) {
-                *sum += v;
-            }
+            count += 1;
+            let [x, y, z, _] = world.particles.velocity[p];
+            sums.add([x, y, z]);
         }
-        if count > 0.0 {
-            out.iter_mut().for_each(|sum| *sum /= count);
-        }
+        let [count] = world.ranks.count([count]);
+        let sums = world.ranks.vector(&sums);
+        out.copy_from_slice(&sums.map(|sum| if count > 0 { sum / count as f64 } else { 0.0 }));
     }
 }

@@ -3,6 +3,7 @@
 use super::{BuildCompute, Compute};
 use crate::fix::{GroupKind, Target};
 use crate::material::NOTHING;
+use crate::math::exact_sum::ExactSum;
 use crate::model::group::GroupId;
 use crate::script::diagnostic::Diagnostic;
 use crate::style::Style;
@@ -56,7 +57,7 @@ pub fn kinetic_energy(world: &World, group: GroupId) -> f64 {
         let [x, y, z, _] = particles.velocity[p];
         0.5 * particles.position[p][3] * (x * x + y * y + z * z)
     };
-    particles.of_group(&world.groups, group).map(each).sum()
+    world.ranks.total(&ExactSum::of(particles.of_group(&world.groups, group).map(each)))
 }
 
 /// sum V0 w over the particles of a group, w the stored energy per reference volume.
@@ -64,14 +65,14 @@ pub fn strain_energy(world: &World, group: GroupId) -> f64 {
     let members = &world.groups[group].members;
     let particles = &world.particles;
     let mut energy = NOTHING;
-    let mut sum = 0.0;
+    let mut sum = ExactSum::default();
     world.each_chunk(|range, solid, state| {
         solid.law.stored_energy(state, &mut energy);
         for (p, energy) in range.zip(energy.as_flattened()) {
             if particles.belongs(p, members) {
-                sum += particles.velocity[p][3] * energy;
+                sum.add(particles.velocity[p][3] * energy);
             }
         }
     });
-    sum
+    world.ranks.total(&sum)
 }

@@ -28,11 +28,12 @@ impl Compute for MaxPlasticStrain {
     }
 
     fn evaluate(&self, world: &World, out: &mut [f64]) {
-        out.fill(0.0);
-        for (out, column) in out.iter_mut().zip([Column::PlasticStrain, Column::Temperature]) {
+        let here = [Column::PlasticStrain, Column::Temperature].map(|column| {
             let values = world.particles.column(column);
             let members = world.particles.of_group(&world.groups, self.0);
-            *out = members.filter_map(|p| values.get(p)).copied().reduce(f64::max).unwrap_or(0.0);
-        }
+            members.filter_map(|p| values.get(p)).copied().fold(f64::NEG_INFINITY, f64::max)
+        });
+        let most = world.ranks.largest(here);
+        out.copy_from_slice(&most.map(|most| if most.is_finite() { most } else { 0.0 }));
     }
 }

@@ -27,11 +27,12 @@ impl Compute for MaxPosition {
     }
 
     fn evaluate(&self, world: &World, out: &mut [f64]) {
-        out.fill(f64::NEG_INFINITY);
+        let mut most = [f64::NEG_INFINITY; 3];
         for p in world.particles.of_group(&world.groups, self.0) {
-            for (largest, x) in out.iter_mut().zip(world.particles.position[p]) {
+            for (largest, x) in most.iter_mut().zip(world.particles.position[p]) {
                 *largest = largest.max(x);
             }
         }
+        out.copy_from_slice(&world.ranks.largest(most));
     }
 }

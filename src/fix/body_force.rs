@@ -3,6 +3,7 @@
 use super::components::{Components, of_particles};
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
+use crate::math::exact_sum::VectorSum;
 use crate::model::column::Column;
 use crate::model::group::GroupId;
 use crate::plan::Plan;
@@ -26,7 +27,7 @@ Publishes the total force in ID_x, ID_y, ID_z.",
             group: target.group,
             on_particles,
             force,
-            total: [0.0; 3],
+            total: VectorSum::default(),
             members: Vec::new(),
         }))
     }),
@@ -41,7 +42,7 @@ pub struct BodyForce {
     /// f \[L/T^2\].
     pub force: Components,
     /// Sum of the forces of the last step.
-    pub total: [f64; 3],
+    pub total: VectorSum,
     /// Memory for the particles of the group.
     pub members: Vec<usize>,
 }
@@ -64,23 +65,22 @@ impl Fix for BodyForce {
 
     fn apply(&mut self, _stage: Stage, step: &mut Step<'_>) -> Result<(), Fault> {
         let now = Instant::start(&step.clock);
-        self.total = if self.on_particles {
-            self.push_particles(step, &now)?
-        } else {
-            self.push_nodes(step, &now)?
-        };
-        Ok(())
+        self.total.clear();
+        match self.on_particles {
+            true => self.push_particles(step, &now),
+            false => self.push_nodes(step, &now),
+        }
     }
 
-    fn results(&self, _world: &World) -> [f64; 4] {
-        let [x, y, z] = self.total;
+    fn results(&self, world: &World) -> [f64; 4] {
+        let [x, y, z] = world.ranks.vector(&self.total);
         [x, y, z, 0.0]
     }
 }
 
 impl BodyForce {
-    fn push_nodes(&self, step: &mut Step<'_>, now: &Instant) -> Result<[f64; 3], Fault> {
-        let mut total = [0.0; 3];
+    fn push_nodes(&mut self, step: &mut Step<'_>, now: &Instant) -> Result<(), Fault> {
+        let total = &mut self.total;
         let (members, mut nodal, places) = step.world.grid.split(self.group);
         let members = members.iter().map(|node| *node as usize);
         self.force.each(
@@ -92,36 +92,30 @@ impl BodyForce {
                 let mass = nodal.mass(node);
                 let force = force.map(|f| mass * f.unwrap_or(0.0));
                 nodal.add_force(node, force);
-                add(&mut total, force);
+                if nodal.counts(node) {
+                    total.add(force);
+                }
             },
-        )?;
-        Ok(total)
+        )
     }
 
-    fn push_particles(&mut self, step: &mut Step<'_>, now: &Instant) -> Result<[f64; 3], Fault> {
-        let mut total = [0.0; 3];
+    fn push_particles(&mut self, step: &mut Step<'_>, now: &Instant) -> Result<(), Fault> {
+        let total = &mut self.total;
         let World { particles, groups, .. } = &mut *step.world;
         self.members.clear();
         self.members.extend(particles.of_group(groups, self.group));
         let (reference, others) = particles.columns.split_at_mut(REFERENCE);
         let places = &particles.position;
         let members = self.members.iter().copied();
-        self.force.each(
-            step.board,
-            now,
-            members,
-            of_particles(places, reference),
-            |p, force| {
-                let force = force.map(|f| places[p][3] * f.unwrap_or(0.0));
-                for (column, force) in FORCE.into_iter().zip(force) {
-                    if let Some(sum) = others[column as usize - REFERENCE].get_mut(p) {
-                        *sum += force;
-                    }
+        self.force.each(step.board, now, members, of_particles(places, reference), |p, force| {
+            let force = force.map(|f| places[p][3] * f.unwrap_or(0.0));
+            for (column, force) in FORCE.into_iter().zip(force) {
+                if let Some(sum) = others[column as usize - REFERENCE].get_mut(p) {
+                    *sum += force;
                 }
-                add(&mut total, force);
-            },
-        )?;
-        Ok(total)
+            }
+            total.add(force);
+        })
     }
 }
 
@@ -129,9 +123,3 @@ impl BodyForce {
 const REFERENCE: usize = Column::Z0 as usize + 1;
 
 const FORCE: [Column; 3] = [Column::Bx, Column::By, Column::Bz];
-
-fn add(total: &mut [f64; 3], force: [f64; 3]) {
-    for (total, force) in total.iter_mut().zip(force) {
-        *total += force;
-    }
-}

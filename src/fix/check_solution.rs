@@ -3,6 +3,7 @@
 use super::components::{Components, of_particles};
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
+use crate::math::exact_sum::ExactSum;
 use crate::model::column::Column;
 use crate::model::group::GroupId;
 use crate::plan::Plan;
@@ -30,15 +31,19 @@ pub struct CheckSolution {
     group: GroupId,
     exact: Components,
     members: Vec<usize>,
-    now: f64,
-    error: f64,
-    norm: f64,
+    /// sum V0 |u - u_exact|^2 and sum V0 at the last step.
+    now: ExactSum,
+    volume: ExactSum,
+    /// sum dt e2 and sum dt n2 so far.
+    error: ExactSum,
+    norm: ExactSum,
 }
 
 impl CheckSolution {
     /// Compares the particles of a group with a displacement.
     pub fn new(group: GroupId, exact: Components) -> Self {
-        Self { group, exact, members: Vec::new(), now: 0.0, error: 0.0, norm: 0.0 }
+        let (now, volume, error, norm) = Default::default();
+        Self { group, exact, members: Vec::new(), now, volume, error, norm }
     }
 }
 
@@ -60,29 +65,31 @@ impl Fix for CheckSolution {
         self.members.clear();
         self.members.extend(particles.of_group(groups, self.group));
         let place = of_particles(&particles.position, &particles.columns);
-        let (mut error, mut norm, mut volume) = (0.0, 0.0, 0.0);
+        self.now.clear();
+        self.volume.clear();
+        let dt = step.clock.dt;
         let now = Instant::end(&step.clock);
         let members = self.members.iter().copied();
         self.exact.each(step.board, &now, members, &place, |p, exact| {
             let v0 = particles.velocity[p][3];
             let (current, reference) = place(p);
-            volume += v0;
+            self.volume.add(v0);
             for (axis, exact) in exact.into_iter().enumerate() {
                 if let Some(exact) = exact {
                     let difference = current[axis] - reference[axis] - exact;
-                    error += v0 * difference * difference;
-                    norm += v0 * exact * exact;
+                    let error = v0 * difference * difference;
+                    self.now.add(error);
+                    self.error.add(dt * error);
+                    self.norm.add(dt * v0 * exact * exact);
                 }
             }
-        })?;
-        self.now = if volume > 0.0 { (error / volume).sqrt() } else { 0.0 };
-        self.error += step.clock.dt * error;
-        self.norm += step.clock.dt * norm;
-        Ok(())
+        })
     }
 
-    fn results(&self, _world: &World) -> [f64; 4] {
-        let ratio = if self.norm > 0.0 { (self.error / self.norm).sqrt() } else { 0.0 };
-        [self.error, self.norm, ratio, self.now]
+    fn results(&self, world: &World) -> [f64; 4] {
+        let sums = [&self.error, &self.norm, &self.now, &self.volume];
+        let [error, norm, now, volume] = world.ranks.totals(sums);
+        let root = |part: f64, of: f64| if of > 0.0 { (part / of).sqrt() } else { 0.0 };
+        [error, norm, root(error, norm), root(now, volume)]
     }
 }

@@ -6,6 +6,7 @@ pub mod minimize_penetration;
 use super::{Fix, Target};
 use crate::fault::Fault;
 use crate::kernel::pairs::{PairLaw, Pairs, Totals};
+use crate::math::exact_sum::ExactSum;
 use crate::model::column::Column;
 use crate::plan::Plan;
 use crate::step::{Stage, Step};
@@ -37,7 +38,7 @@ pub struct Contact<S> {
     /// The longest step since the solids met \[T\].
     longest: f64,
     /// Heat of friction so far \[M L^2/T^2\].
-    heat: f64,
+    heat: ExactSum,
 }
 
 impl<S: ContactStyle> Contact<S> {
@@ -49,7 +50,7 @@ impl<S: ContactStyle> Contact<S> {
     /// Contact of two solids, by number.
     pub fn of_solids(solids: [usize; 2], style: S) -> Self {
         let (pairs, totals) = (Pairs::default(), Totals::default());
-        Self { solids, style, pairs, totals, longest: 0.0, heat: 0.0 }
+        Self { solids, style, pairs, totals, longest: 0.0, heat: ExactSum::default() }
     }
 }
 
@@ -72,7 +73,10 @@ impl<S: ContactStyle> Fix for Contact<S> {
         self.longest = if self.totals.pushed > 0 { self.longest.max(dt) } else { dt };
         let law = self.style.law(solids, dt, self.longest);
         self.totals = self.pairs.sum(world, self.solids, &law);
-        self.heat += self.totals.friction * dt;
+        // Work dt P of each pair, so that the sum over steps does not depend on their order.
+        for (_, response) in self.pairs.of_side(0) {
+            self.heat.add(response.friction * dt);
+        }
         let shares = heat_shares(solids);
         for side in 0..2 {
             self.push(world, side, shares[side] * dt);
@@ -84,9 +88,9 @@ impl<S: ContactStyle> Fix for Contact<S> {
         largest_step(self.totals.rate)
     }
 
-    fn results(&self, _world: &World) -> [f64; 4] {
-        let [x, y, z] = self.totals.force;
-        [x, y, z, self.heat]
+    fn results(&self, world: &World) -> [f64; 4] {
+        let [x, y, z] = self.totals.force.0.each_ref();
+        world.ranks.totals([x, y, z, &self.heat])
     }
 }
 
@@ -117,8 +121,8 @@ impl<S> Contact<S> {
             }
         }
         let capacity = solid.law.thermal().capacity;
-        if capacity > 0.0 && self.totals.friction > 0.0 {
-            for (p, response) in self.pairs.of_side(side) {
+        if capacity > 0.0 {
+            for (p, response) in self.pairs.of_side(side).filter(|(_, r)| r.friction > 0.0) {
                 let mass = world.particles.position[p][3];
                 if let Some(temperature) =
                     world.particles.column_mut(Column::Temperature).get_mut(p)

@@ -211,8 +211,8 @@ impl Fix for CuttingTool {
         self.pushed.largest_step()
     }
 
-    fn results(&self, _world: &World) -> [f64; 4] {
-        self.pushed.results()
+    fn results(&self, world: &World) -> [f64; 4] {
+        self.pushed.results(&world.ranks)
     }
 }
 

@@ -57,12 +57,14 @@ impl Fix for DampingLocalNodes {
             });
             nodal.add_force(node, force);
             ledger.add_damping(node, force);
-            self.taken.add(force, velocity, step.clock.dt);
+            if nodal.counts(node) {
+                self.taken.add(force, velocity, step.clock.dt);
+            }
         }
         Ok(())
     }
 
-    fn results(&self, _world: &World) -> [f64; 4] {
-        self.taken.results()
+    fn results(&self, world: &World) -> [f64; 4] {
+        self.taken.results(&world.ranks)
     }
 }

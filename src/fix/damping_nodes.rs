@@ -3,7 +3,9 @@
 use super::components::Components;
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
+use crate::math::exact_sum::{ExactSum, VectorSum};
 use crate::model::group::GroupId;
+use crate::parallel::Ranks;
 use crate::plan::Plan;
 use crate::script::arguments::Place;
 use crate::script::diagnostic::{Code, Diagnostic};
@@ -36,32 +38,32 @@ Publishes the total force in ID_x, ID_y, ID_z, the energy taken so far in ID_s."
 };
 
 /// What damping has taken.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Taken {
     /// Sum of the forces of the last step \[M L/T^2\].
-    force: [f64; 3],
+    force: VectorSum,
     /// Energy so far \[M L^2/T^2\].
-    energy: f64,
+    energy: ExactSum,
 }
 
 impl Taken {
     /// Forgets the force of the last step.
     pub fn begin(&mut self) {
-        self.force = [0.0; 3];
+        self.force.clear();
     }
 
     /// Notes a force on a node of this velocity.
     pub fn add(&mut self, force: [f64; 3], velocity: [f64; 3], dt: f64) {
+        self.force.add(force);
         for axis in 0..3 {
-            self.force[axis] += force[axis];
-            self.energy -= dt * force[axis] * velocity[axis];
+            self.energy.add(-dt * force[axis] * velocity[axis]);
         }
     }
 
     /// The results of a fix.
-    pub fn results(&self) -> [f64; 4] {
-        let [x, y, z] = self.force;
-        [x, y, z, self.energy]
+    pub fn results(&self, ranks: &Ranks) -> [f64; 4] {
+        let [x, y, z] = self.force.0.each_ref();
+        ranks.totals([x, y, z, &self.energy])
     }
 }
 
@@ -100,12 +102,14 @@ impl Fix for DampingNodes {
                 let force = velocity.map(|v| -c.unwrap_or(0.0) * mass * v);
                 nodal.add_force(node, force);
                 ledger.add_damping(node, force);
-                taken.add(force, velocity, dt);
+                if nodal.counts(node) {
+                    taken.add(force, velocity, dt);
+                }
             },
         )
     }
 
-    fn results(&self, _world: &World) -> [f64; 4] {
-        self.taken.results()
+    fn results(&self, world: &World) -> [f64; 4] {
+        self.taken.results(&world.ranks)
     }
 }

@@ -3,6 +3,7 @@
 use super::components::Components;
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
+use crate::math::exact_sum::VectorSum;
 use crate::model::group::GroupId;
 use crate::plan::Plan;
 use crate::script::formula::{Formula, Instant};
@@ -20,7 +21,7 @@ Publishes the total force in ID_x, ID_y, ID_z.",
     build: Some(|args, target| {
         target.require("force_nodes", &[GroupKind::Nodes])?;
         let force = Components::read(args, target, ["fx", "fy", "fz"])?;
-        Ok(Box::new(ForceNodes { group: target.group, force, total: [0.0; 3] }))
+        Ok(Box::new(ForceNodes { group: target.group, force, total: VectorSum::default() }))
     }),
 };
 
@@ -31,7 +32,7 @@ pub struct ForceNodes {
     /// The total force \[M L/T^2\].
     pub force: Components,
     /// Sum of the forces of the last step.
-    pub total: [f64; 3],
+    pub total: VectorSum,
 }
 
 impl Fix for ForceNodes {
@@ -48,10 +49,14 @@ impl Fix for ForceNodes {
     }
 
     fn apply(&mut self, _stage: Stage, step: &mut Step<'_>) -> Result<(), Fault> {
-        let (members, mut nodal, places) = step.world.grid.split(self.group);
-        let heavy = members.iter().filter(|node| nodal.mass(**node as usize) > 0.0).count();
+        let World { grid, ranks, .. } = &mut *step.world;
+        let (members, mut nodal, places) = grid.split(self.group);
+        let is_heavy = |node: usize| nodal.mass(node) > 0.0 && nodal.counts(node);
+        let heavy = members.iter().filter(|node| is_heavy(**node as usize)).count();
+        let [heavy] = ranks.count([heavy]);
         let share = if heavy > 0 { 1.0 / heavy as f64 } else { 0.0 };
-        let mut total = [0.0; 3];
+        let total = &mut self.total;
+        total.clear();
         let members = members.iter().map(|node| *node as usize);
         self.force.each(
             step.board,
@@ -62,18 +67,16 @@ impl Fix for ForceNodes {
                 if nodal.mass(node) > 0.0 {
                     let force = force.map(|f| share * f.unwrap_or(0.0));
                     nodal.add_force(node, force);
-                    for (total, force) in total.iter_mut().zip(force) {
-                        *total += force;
+                    if nodal.counts(node) {
+                        total.add(force);
                     }
                 }
             },
-        )?;
-        self.total = total;
-        Ok(())
+        )
     }
 
-    fn results(&self, _world: &World) -> [f64; 4] {
-        let [x, y, z] = self.total;
+    fn results(&self, world: &World) -> [f64; 4] {
+        let [x, y, z] = world.ranks.vector(&self.total);
         [x, y, z, 0.0]
     }
 }

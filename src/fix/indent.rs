@@ -129,7 +129,7 @@ impl Fix for Indent {
         self.pushed.largest_step()
     }
 
-    fn results(&self, _world: &World) -> [f64; 4] {
-        self.pushed.results()
+    fn results(&self, world: &World) -> [f64; 4] {
+        self.pushed.results(&world.ranks)
     }
 }

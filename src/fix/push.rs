@@ -2,9 +2,11 @@
 
 use super::contact::largest_step;
 use crate::fault::Fault;
+use crate::math::exact_sum::{ExactSum, VectorSum};
 use crate::model::clock::Clock;
 use crate::model::column::Column;
 use crate::model::group::GroupId;
+use crate::parallel::Ranks;
 use crate::plan::Plan;
 use crate::script::arguments::{Args, Place};
 use crate::script::diagnostic::Diagnostic;
@@ -26,9 +28,9 @@ pub struct Pushed {
     members: Vec<usize>,
     /// Ids of the particles that this step pushes, ascending, and the forces on them \[M L/T^2\].
     forces: Vec<(u32, [f64; 3])>,
-    total: [f64; 3],
+    total: VectorSum,
     /// Work done on the particles so far \[M L^2/T^2\].
-    work: f64,
+    work: ExactSum,
     /// Largest stiffness over mass \[1/T^2\].
     rate: f64,
     /// Size of the step before \[T\].
@@ -43,8 +45,8 @@ impl Pushed {
             group,
             members,
             forces,
-            total: [0.0; 3],
-            work: 0.0,
+            total: VectorSum::default(),
+            work: ExactSum::default(),
             rate: 0.0,
             before: f64::INFINITY,
         }
@@ -71,7 +73,8 @@ impl Pushed {
         self.members.extend(world.particles.of_group(&world.groups, self.group));
         self.forces.clear();
         self.forces.reserve(self.members.len());
-        (self.total, self.rate) = ([0.0; 3], 0.0);
+        self.total.clear();
+        self.rate = 0.0;
         for p in self.members.iter().copied() {
             let Some(Thrust { mut force, stiffness }) = thrust(world, p) else { continue };
             if world.solids[world.particles.solid[p] as usize].rigid {
@@ -84,9 +87,10 @@ impl Pushed {
                     Some(sum) => *sum += force[axis],
                     None => force[axis] = 0.0,
                 }
-                self.total[axis] += force[axis];
             }
-            self.work += 0.5 * dt / self.before * along(&force, &world.particles.displacement[p]);
+            self.total.add(force);
+            let before = along(&force, &world.particles.displacement[p]);
+            self.work.add(0.5 * dt / self.before * before);
             self.forces.push((world.particles.id[p], force));
         }
         self.forces.sort_unstable_by_key(|(id, _)| *id);
@@ -96,15 +100,29 @@ impl Pushed {
     /// The second half of the work, once the particles have moved: they may have been sorted since,
     /// or have left.
     pub fn work(&mut self, world: &World) {
+        self.hear_of_others(&world.ranks);
         if self.forces.is_empty() {
             return;
         }
         let particles = &world.particles;
         for (id, dx) in particles.id.iter().zip(&particles.displacement) {
             if let Ok(place) = self.forces.binary_search_by_key(id, |(id, _)| *id) {
-                self.work += 0.5 * along(&self.forces[place].1, dx);
+                self.work.add(0.5 * along(&self.forces[place].1, dx));
             }
         }
+    }
+
+    /// Particles may have gone to other processes since: everybody gets all forces.
+    fn hear_of_others(&mut self, ranks: &Ranks) {
+        if ranks.is_alone() {
+            return;
+        }
+        let own = self.forces.iter().flat_map(|(id, [x, y, z])| [f64::from(*id), *x, *y, *z]);
+        let all = ranks.share(&own.collect::<Vec<f64>>());
+        let (records, _) = all.as_chunks::<4>();
+        self.forces.clear();
+        self.forces.extend(records.iter().map(|[id, x, y, z]| (*id as u32, [*x, *y, *z])));
+        self.forces.sort_unstable_by_key(|(id, _)| *id);
     }
 
     /// Largest stable step \[T\].
@@ -113,9 +131,9 @@ impl Pushed {
     }
 
     /// The total force and the work done so far.
-    pub fn results(&self) -> [f64; 4] {
-        let [x, y, z] = self.total;
-        [x, y, z, self.work]
+    pub fn results(&self, ranks: &Ranks) -> [f64; 4] {
+        let [x, y, z] = self.total.0.each_ref();
+        ranks.totals([x, y, z, &self.work])
     }
 }
 

@@ -3,6 +3,7 @@
 use super::components::Components;
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
+use crate::math::exact_sum::ExactSum;
 use crate::model::group::GroupId;
 use crate::plan::Plan;
 use crate::script::arguments::Place;
@@ -47,17 +48,18 @@ pub struct TemperatureNodes {
     /// Temperatures at the start of the step, in the order of the nodes; empty until H2.
     start: Vec<f64>,
     /// Heat of the step \[M L^2/T^2\].
-    given: f64,
-    /// Heating power of the step \[M L^2/T^3\].
-    power: f64,
+    given: ExactSum,
+    /// Size of the step \[T\].
+    dt: f64,
     /// Heat so far \[M L^2/T^2\].
-    total: f64,
+    total: ExactSum,
 }
 
 impl TemperatureNodes {
     /// Prescribes a temperature to a group of nodes.
     pub fn new(group: GroupId, temperature: Components) -> Self {
-        Self { group, temperature, start: Vec::new(), given: 0.0, power: 0.0, total: 0.0 }
+        let (given, total) = Default::default();
+        Self { group, temperature, start: Vec::new(), given, dt: f64::INFINITY, total }
     }
 
     /// T_I <- T(t).
@@ -65,9 +67,10 @@ impl TemperatureNodes {
         let now = Instant::start(&step.clock);
         let interpolated = 1.0 - step.world.thermal_blend;
         let (members, mut nodal, places) = step.world.grid.split(self.group);
-        let (start, given) = (&mut self.start, &mut self.given);
+        self.given.clear();
+        self.dt = step.clock.dt;
+        let (start, given, total) = (&mut self.start, &mut self.given, &mut self.total);
         start.clear();
-        *given = 0.0;
         self.temperature.each(
             step.board,
             &now,
@@ -76,7 +79,11 @@ impl TemperatureNodes {
             |node, set| {
                 let set = set[0].unwrap_or(0.0);
                 let [before, capacity] = nodal.temperature(node);
-                *given += interpolated * capacity * (set - before);
+                if nodal.counts(node) {
+                    let heat = interpolated * capacity * (set - before);
+                    given.add(heat);
+                    total.add(heat);
+                }
                 nodal.prescribe_temperature(node, set);
                 start.push(set);
             },
@@ -87,7 +94,8 @@ impl TemperatureNodes {
     fn end(&mut self, step: &mut Step<'_>) -> Result<(), Fault> {
         let now = Instant::end(&step.clock);
         let (members, mut nodal, places) = step.world.grid.split(self.group);
-        let (mut starts, given) = (self.start.drain(..), &mut self.given);
+        let (given, total) = (&mut self.given, &mut self.total);
+        let mut starts = self.start.drain(..);
         self.temperature.each(
             step.board,
             &now,
@@ -96,14 +104,14 @@ impl TemperatureNodes {
             |node, set| {
                 let (Some(set), Some(start)) = (set[0], starts.next()) else { return };
                 let [free, capacity] = nodal.temperature(node);
-                *given += capacity * (set - free);
+                if nodal.counts(node) {
+                    let heat = capacity * (set - free);
+                    given.add(heat);
+                    total.add(heat);
+                }
                 nodal.prescribe_updated_temperature(node, start, set);
             },
-        )?;
-        drop(starts);
-        self.power = self.given / step.clock.dt;
-        self.total += self.given;
-        Ok(())
+        )
     }
 }
 
@@ -129,7 +137,8 @@ impl Fix for TemperatureNodes {
         }
     }
 
-    fn results(&self, _world: &World) -> [f64; 4] {
-        [self.total, 0.0, 0.0, self.power]
+    fn results(&self, world: &World) -> [f64; 4] {
+        let [total, given] = world.ranks.totals([&self.total, &self.given]);
+        [total, 0.0, 0.0, given / self.dt]
     }
 }

@@ -3,6 +3,7 @@
 use super::components::{Components, of_particles};
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
+use crate::math::exact_sum::ExactSum;
 use crate::model::column::Column;
 use crate::model::group::GroupId;
 use crate::model::particles::Particles;
@@ -36,17 +37,18 @@ pub struct TemperatureParticles {
     temperature: Components,
     members: Vec<usize>,
     /// Heat of the step \[M L^2/T^2\].
-    given: f64,
-    /// Heating power of the step \[M L^2/T^3\].
-    power: f64,
+    given: ExactSum,
+    /// Size of the step \[T\].
+    dt: f64,
     /// Heat so far \[M L^2/T^2\].
-    total: f64,
+    total: ExactSum,
 }
 
 impl TemperatureParticles {
     /// Prescribes a temperature to a group of particles.
     pub fn new(group: GroupId, temperature: Components) -> Self {
-        Self { group, temperature, members: Vec::new(), given: 0.0, power: 0.0, total: 0.0 }
+        let (given, total) = Default::default();
+        Self { group, temperature, members: Vec::new(), given, dt: f64::INFINITY, total }
     }
 }
 
@@ -74,7 +76,11 @@ impl Fix for TemperatureParticles {
         };
         let mut temperature = std::mem::take(&mut particles.columns[Column::Temperature as usize]);
         let Particles { position, columns, solid, .. } = &*particles;
-        let mut given = 0.0;
+        if stage == Stage::InitialIntegrate {
+            self.given.clear();
+        }
+        self.dt = step.clock.dt;
+        let (given, total) = (&mut self.given, &mut self.total);
         let done = self.temperature.each(
             step.board,
             &now,
@@ -83,24 +89,19 @@ impl Fix for TemperatureParticles {
             |p, set| {
                 if let (Some(set), Some(value)) = (set[0], temperature.get_mut(p)) {
                     let capacity = solids[solid[p] as usize].law.thermal().capacity;
-                    given += position[p][3] * capacity * (set - *value);
+                    let heat = position[p][3] * capacity * (set - *value);
+                    given.add(heat);
+                    total.add(heat);
                     *value = set;
                 }
             },
         );
         particles.columns[Column::Temperature as usize] = temperature;
-        done?;
-        if stage == Stage::InitialIntegrate {
-            self.given = given;
-        } else {
-            self.given += given;
-            self.power = self.given / step.clock.dt;
-            self.total += self.given;
-        }
-        Ok(())
+        done
     }
 
-    fn results(&self, _world: &World) -> [f64; 4] {
-        [self.total, 0.0, 0.0, self.power]
+    fn results(&self, world: &World) -> [f64; 4] {
+        let [total, given] = world.ranks.totals([&self.total, &self.given]);
+        [total, 0.0, 0.0, given / self.dt]
     }
 }

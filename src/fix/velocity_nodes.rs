@@ -3,6 +3,7 @@
 use super::components::Components;
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
+use crate::math::exact_sum::VectorSum;
 use crate::model::group::GroupId;
 use crate::plan::Plan;
 use crate::script::formula::{Formula, Instant};
@@ -30,13 +31,13 @@ pub struct VelocityNodes {
     velocity: Components,
     /// Velocities at the start of the step, in the order of the nodes.
     start: Vec<[f64; 3]>,
-    reaction: [f64; 3],
+    reaction: VectorSum,
 }
 
 impl VelocityNodes {
     /// Prescribes a velocity to a group of nodes.
     pub fn new(group: GroupId, velocity: Components) -> Self {
-        Self { group, velocity, start: Vec::new(), reaction: [0.0; 3] }
+        Self { group, velocity, start: Vec::new(), reaction: VectorSum::default() }
     }
 
     fn prescribe(&mut self, step: &mut Step<'_>) -> Result<(), Fault> {
@@ -55,7 +56,8 @@ impl VelocityNodes {
             },
         )?;
         let mut starts = start.iter();
-        let mut reaction = [0.0; 3];
+        let reaction = &mut self.reaction;
+        reaction.clear();
         let dt = step.clock.dt;
         self.velocity.each(
             step.board,
@@ -68,13 +70,13 @@ impl VelocityNodes {
                 for axis in 0..3 {
                     if let (Some(set), true) = (velocity[axis], mass > 0.0) {
                         let free = nodal.prescribe(node, axis, start[axis], set);
-                        reaction[axis] += mass * (set - free) / dt;
+                        if nodal.counts(node) {
+                            reaction.0[axis].add(mass * (set - free) / dt);
+                        }
                     }
                 }
             },
-        )?;
-        self.reaction = reaction;
-        Ok(())
+        )
     }
 
     fn prescribe_mapped(&mut self, step: &mut Step<'_>) -> Result<(), Fault> {
@@ -117,8 +119,8 @@ impl Fix for VelocityNodes {
         }
     }
 
-    fn results(&self, _world: &World) -> [f64; 4] {
-        let [x, y, z] = self.reaction;
+    fn results(&self, world: &World) -> [f64; 4] {
+        let [x, y, z] = world.ranks.vector(&self.reaction);
         [x, y, z, 0.0]
     }
 }

@@ -3,6 +3,7 @@
 use super::components::{Components, of_particles};
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
+use crate::math::exact_sum::VectorSum;
 use crate::model::group::GroupId;
 use crate::model::particles::Particles;
 use crate::plan::Plan;
@@ -31,13 +32,13 @@ pub struct VelocityParticles {
     group: GroupId,
     velocity: Components,
     members: Vec<usize>,
-    force: [f64; 3],
+    force: VectorSum,
 }
 
 impl VelocityParticles {
     /// Prescribes a velocity to a group of particles.
     pub fn new(group: GroupId, velocity: Components) -> Self {
-        Self { group, velocity, members: Vec::new(), force: [0.0; 3] }
+        Self { group, velocity, members: Vec::new(), force: VectorSum::default() }
     }
 }
 
@@ -71,24 +72,23 @@ impl Fix for VelocityParticles {
             });
         }
         let now = Instant::end(&step.clock);
-        let mut force = [0.0; 3];
+        let force = &mut self.force;
+        force.clear();
         self.velocity.each(step.board, &now, members, place, |p, set| {
             let reaction = rigid.reaction(p);
             for (axis, set) in set.into_iter().enumerate() {
                 if let Some(set) = set {
                     let change = set - velocity[p][axis];
-                    force[axis] += position[p][3] * change / dt - reaction[axis];
+                    force.0[axis].add(position[p][3] * change / dt - reaction[axis]);
                     velocity[p][axis] = set;
                     displacement[p][axis] = dt * set;
                 }
             }
-        })?;
-        self.force = force;
-        Ok(())
+        })
     }
 
-    fn results(&self, _world: &World) -> [f64; 4] {
-        let [x, y, z] = self.force;
+    fn results(&self, world: &World) -> [f64; 4] {
+        let [x, y, z] = world.ranks.vector(&self.force);
         [x, y, z, 0.0]
     }
 }

@@ -91,7 +91,7 @@ fn collect_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut Wo
     let shared = Shared::new(&mut nodes);
     let (places, temperature) =
         (world.particles.places(world.method.total), world.particles.column(Column::Temperature));
-    tiles.sweep(|tile, _| {
+    tiles.sweep_into(&[&shared], |tile, _| {
         each_chunk(world, tile.range, |range, thermal| {
             dispatch(Collect::<'_, D, F> {
                 places: &places[range.clone()],
@@ -143,7 +143,7 @@ fn conduct_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut Wo
     if total {
         columns.extend(Column::deformation(D));
     }
-    tiles.sweep(|tile, _| {
+    tiles.sweep_into(&[&shared], |tile, _| {
         SCRATCH.with_borrow_mut(|scratch| {
             each_chunk(world, tile.range, |range, thermal| {
                 scratch.load(&world.particles, D, columns, range.clone());

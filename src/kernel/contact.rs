@@ -89,7 +89,7 @@ pub fn meet(world: &mut World, which: Velocities, dt: f64) {
     let World { grid, contacts, .. } = world;
     let Contacts { list, pairs, .. } = contacts;
     if which == Velocities::Momenta {
-        list.iter_mut().for_each(|contact| contact.force = [0.0; 3]);
+        list.iter_mut().for_each(|contact| contact.force.clear());
     }
     let mut couples = std::mem::take(&mut grid.couples);
     for couple in &mut couples {
@@ -98,8 +98,8 @@ pub fn meet(world: &mut World, which: Velocities, dt: f64) {
         let bodies = body(grid, a, which).zip(body(grid, b, which));
         if which == Velocities::Momenta {
             let heat = begin(couple, bodies);
-            if let Some(contact) = pair.contact {
-                list[contact].heat += heat;
+            if let Some(contact) = pair.contact.filter(|_| grid.counts(a)) {
+                list[contact].heat.add(heat);
             }
             warm(grid, [a, b], heat / dt);
         }
@@ -123,10 +123,8 @@ pub fn meet(world: &mut World, which: Velocities, dt: f64) {
         }
         if which == Velocities::Updated {
             finish(grid, couple, pair.rule, [first, second], dt);
-            if let Some(contact) = pair.contact {
-                for (force, impulse) in list[contact].force.iter_mut().zip(couple.impulse) {
-                    *force -= pair.counts * impulse / dt;
-                }
+            if let Some(contact) = pair.contact.filter(|_| grid.counts(a)) {
+                list[contact].force.add(couple.impulse.map(|j| -pair.counts * j / dt));
             }
         }
     }

@@ -34,7 +34,7 @@ fn sweep_of<const D: usize, const ROUND: bool, F: Footprint<D>>(
     let places = particles.places(total);
     let mapped = &grid.mapped;
     let dilation = Shared::new(&mut grid.dilation);
-    tiles.sweep(|tile, _| {
+    tiles.sweep_into(&[&dilation], |tile, _| {
         SCRATCH.with_borrow_mut(|scratch| {
             for range in of_one_solid(tile.range, &particles.solid) {
                 if solids[particles.solid[range.start] as usize].rigid {

@@ -61,7 +61,7 @@ fn project_of<const D: usize, F: Footprint<D>>(
     let World { particles, grid, method, .. } = world;
     let places = particles.places(method.total);
     let spare = Shared::new(spare);
-    tiles.sweep(|tile, _| {
+    tiles.sweep_into(&[&spare], |tile, _| {
         dispatch(Part::<'_, D, F> {
             records: F::part(&particles.domain, tile.range.clone()),
             places: &places[tile.range],

@@ -1,6 +1,7 @@
 //! G2P: particles take their new velocity from the grid, and give it back for the second mapping.
 
 use super::by_kind;
+use super::ghosts::NodeArray;
 use super::shared::Shared;
 use super::stencil::Frame;
 use super::support::{Footprint, Records, Support};
@@ -67,7 +68,8 @@ fn sweep_of<const D: usize, F: Footprint<D>>(
         std::array::from_fn(|_| Shared::new(columns.next().map_or(&mut [], |c| c)));
     let mapped = Shared::new(&mut grid.mapped);
     let nodes = &grid.nodes;
-    tiles.sweep(|tile, report| {
+    let arrays: &[&dyn NodeArray] = if numbers.scatter { &[&mapped] } else { &[] };
+    tiles.sweep_into(arrays, |tile, report| {
         let range = tile.range;
         // SAFETY: the ranges of the tiles do not overlap, so each particle has one writer.
         let (velocity, displacement, matrix) = unsafe {
@@ -176,7 +178,7 @@ fn scatter_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut Wo
     let World { particles, grid, method, .. } = world;
     let places = particles.places(method.total);
     let mapped = Shared::new(&mut grid.mapped);
-    tiles.sweep(|tile, _| {
+    tiles.sweep_into(&[&mapped], |tile, _| {
         let matrix = particles.matrix.each_ref().map(|column| match affine {
             true => column.get(tile.range.clone()).unwrap_or(&[]),
             false => &[],

@@ -3,6 +3,7 @@
 use super::grid::inverse_mass;
 use crate::material::state::{DEFORMATION, STRESS, SYMMETRIC};
 use crate::material::{Chunk, Description, Lane, Law, NOTHING};
+use crate::math::exact_sum::ExactSum;
 use crate::math::tensor::Tensor;
 use crate::model::column::Column;
 use crate::model::contact::{Pair, Rule};
@@ -64,16 +65,16 @@ pub fn note_changes(ledger: &mut Ledger, grid: &Grid, dt: f64) {
 const SAME: f64 = 1e-10;
 
 /// Books the work of the nodal forces; `mapped` holds the momenta p' = sum N m v of the new
-/// velocities of the particles. Gives the work of all.
+/// velocities of the particles.
 ///
 /// With w = (p + p')/(2 m), FLIP changes the kinetic energy of the particles by sum m (v* - v).w,
 /// exactly, since it changes v_p by sum N (v* - v). Where velocities are prescribed, w is the
 /// prescribed one: what holds a wall does no work. Where strains follow from the `updated` velocities
 /// v*, w = (v + v*)/2 and the nodes gain sum m (v* - v).w. The impulse r = m (v* - v) - dt (f + mb) is that
 /// of prescribed velocities.
-pub fn book_forces(ledger: &mut Ledger, grid: &Grid, dt: f64, updated: bool) -> f64 {
-    let mut all = 0.0;
-    for node in grid.runs.iter().cloned().flatten() {
+pub fn book_forces(ledger: &mut Ledger, grid: &Grid, dt: f64, updated: bool) {
+    let books = &mut ledger.books;
+    for node in grid.runs.iter().cloned().flatten().filter(|node| grid.counts(*node)) {
         let (notes, mapped) = (&ledger.nodes[node], &grid.mapped[node]);
         let inverse = inverse_mass(&grid.nodes[node], grid.mass_cutoff);
         let [.., mass] = grid.nodes[node].motion;
@@ -84,45 +85,43 @@ pub fn book_forces(ledger: &mut Ledger, grid: &Grid, dt: f64, updated: bool) -> 
             let damping = dt * notes.damping[axis] * mean;
             let contact = dt * notes.contact[axis] * mean;
             let total = mass * notes.change[axis] * mean;
-            ledger.sums.external += external;
-            ledger.sums.damping -= damping;
+            books.external.add(external);
+            books.damping.add(-damping);
             if notes.prescribed[axis].is_some() {
-                ledger.sums.boundary += total - internal - external - damping - contact;
+                books.boundary.add(total - internal - external - damping - contact);
             }
-            all += total;
+            books.nodal.add(total);
         }
     }
-    all
 }
 
-/// Power of the internal forces of the step with the velocities of the second mapping, at the nodes
-/// where bodies meet; places of nodes may have changed since the forces were noted.
-pub fn contact_power(grid: &Grid) -> f64 {
-    let mut power = 0.0;
+/// sum += factor times the power of the internal forces of the step with the velocities of the second
+/// mapping, at the nodes where bodies meet; places of nodes may have changed since the forces were noted.
+pub fn add_contact_power(sum: &mut ExactSum, grid: &Grid, factor: f64) {
     for (number, couple) in grid.couples.iter().enumerate() {
         for (node, force) in couple.nodes.into_iter().zip(couple.internal) {
             // A node of several couples counts once.
-            if grid.coupled[node as usize] as usize == number + 1 {
+            if grid.coupled[node as usize] as usize == number + 1 && grid.counts(node as usize) {
                 let v = &grid.mapped[node as usize];
-                power += force[0] * v[0] + force[1] * v[1] + force[2] * v[2];
+                sum.add(factor * (force[0] * v[0] + force[1] * v[1] + force[2] * v[2]));
             }
         }
     }
-    power
 }
 
-/// Power of the internal forces with the changes J/m of the velocities where bodies have met.
-pub fn power_of_impulses(ledger: &Ledger, grid: &Grid) -> f64 {
-    let mut power = 0.0;
+/// Books the work of the internal forces with the changes J/m of the velocities where bodies have met:
+/// the particles have strained with velocities that they do not have.
+pub fn book_impulses(ledger: &mut Ledger, grid: &Grid, dt: f64) {
     for couple in &grid.couples {
         for (node, sign) in couple.nodes.into_iter().zip([-1.0, 1.0]) {
             let inverse = inverse_mass(&grid.nodes[node as usize], grid.mass_cutoff);
             let force = &ledger.nodes[node as usize].internal;
             let along: f64 = force.iter().zip(couple.impulse).map(|(f, j)| f * j).sum();
-            power += sign * inverse * along;
+            if grid.counts(node as usize) {
+                ledger.books.numerical.add(dt * sign * inverse * along);
+            }
         }
     }
-    power
 }
 
 /// The w of [`book_forces`].
@@ -137,7 +136,7 @@ fn mean(notes: &Notes, mapped: &[f64; 4], inverse: f64, axis: usize, updated: bo
 /// Books the work J.(w2 - w1) of bodies in contact, w as in [`book_forces`]: that of sliding with
 /// friction as friction, the rest as lost by the grid. What a rigid body does is work from outside.
 pub fn book_contact(ledger: &mut Ledger, grid: &Grid, pairs: &[Pair], updated: bool) {
-    for couple in &grid.couples {
+    for couple in grid.couples.iter().filter(|couple| grid.counts(couple.nodes[0] as usize)) {
         let bodies = couple.nodes.map(|node| {
             let node = node as usize;
             let rigid = grid.rigid.get(node).filter(|rigid| rigid[3] > 0.0);
@@ -163,9 +162,9 @@ pub fn book_contact(ledger: &mut Ledger, grid: &Grid, pairs: &[Pair], updated: b
             Rule::Frictional(_) => work - normal[0] * normal[1],
             _ => 0.0,
         };
-        ledger.sums.boundary += pushed;
-        ledger.sums.friction -= sliding;
-        ledger.sums.numerical -= work - sliding;
+        ledger.books.boundary.add(pushed);
+        ledger.books.friction.add(-sliding);
+        ledger.books.numerical.add(sliding - work);
     }
 }
 

@@ -2,12 +2,15 @@
 //!
 //! A particle is a sphere of radius R = V^(1/d)/2 (language.md 7.4). Only particles where the bodies
 //! come within reach of each other are sorted into cells; each of them then sums over its partners
-//! on the other side, in the order of the cells. Every particle has one writer and every sum one
-//! order: the result has the same bits for any number of threads. A pair is evaluated twice, from
+//! on the other side, in the order of the cells and ids. Every particle has one writer and every sum
+//! one order: the result has the same bits for any number of threads and processes, each of which
+//! knows all particles within reach and sums for its own. A pair is evaluated twice, from
 //! either side, with the same numbers, so that its two forces are equal and opposite to the bit.
 
 use super::tiles::SMALLEST_PARALLEL;
+use crate::math::exact_sum::VectorSum;
 use crate::model::column::Column;
+use crate::parallel::Ranks;
 use crate::world::World;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -77,11 +80,23 @@ struct Body {
     mass: f64,
 }
 
+/// A particle that may have partners.
+#[derive(Clone, Copy)]
+struct Found {
+    id: u32,
+    /// Place in the table; [`FOREIGN`] for a particle of another process.
+    place: u32,
+    body: Body,
+}
+
+/// The particle is not in the table of this process.
+const FOREIGN: u32 = u32::MAX;
+
 /// The particles of one solid that may have partners.
 #[derive(Default)]
 struct Side {
-    /// Places in the table, in the order of the table.
-    found: Vec<u32>,
+    /// All of them, by id.
+    found: Vec<Found>,
     /// Places in the table, cell by cell.
     members: Vec<u32>,
     /// The particles, cell by cell.
@@ -196,26 +211,48 @@ impl Cells {
 }
 
 impl Side {
-    /// Lists the particles of a solid inside some limits.
+    /// Lists the particles of a solid inside some limits, those of other processes too.
     fn list(&mut self, world: &World, solid: usize, near: &Extent) {
         let of = world.particles.solid.iter().zip(&world.particles.position).enumerate();
         let inside = of.filter(|(_, (of, place))| **of as usize == solid && near.holds(**place));
         self.found.clear();
-        self.found.extend(inside.map(|(p, _)| p as u32));
+        self.found.extend(inside.map(|(p, _)| Found {
+            id: world.particles.id[p],
+            place: p as u32,
+            body: body(world, p),
+        }));
+        self.found.sort_unstable_by_key(|found| found.id);
+        if !world.ranks.is_alone() {
+            self.add_others(&world.ranks);
+        }
+    }
+
+    /// Adds what the other processes have found.
+    fn add_others(&mut self, ranks: &Ranks) {
+        let numbers = |found: &Found| {
+            let Body { place: [x, y, z], radius, velocity: [u, v, w], mass } = found.body;
+            [f64::from(found.id), x, y, z, radius, u, v, w, mass]
+        };
+        let all = ranks.share(&self.found.iter().flat_map(numbers).collect::<Vec<f64>>());
+        let own = self.found.len();
+        for [id, x, y, z, radius, u, v, w, mass] in all.as_chunks::<9>().0.iter().copied() {
+            let id = id as u32;
+            if self.found[..own].binary_search_by_key(&id, |found| found.id).is_err() {
+                let body = Body { place: [x, y, z], radius, velocity: [u, v, w], mass };
+                self.found.push(Found { id, place: FOREIGN, body });
+            }
+        }
+        self.found.sort_unstable_by_key(|found| found.id);
     }
 
     /// Puts the listed particles into cells.
-    fn sort(&mut self, world: &World, cells: &Cells) {
+    fn sort(&mut self, cells: &Cells) {
         let Side { found, members, bodies, first, sums } = self;
-        let particles = &world.particles;
-        let cell_of = |p: u32| {
-            let [x, y, z, _] = particles.position[p as usize];
-            cells.number(cells.of([x, y, z]))
-        };
+        let cell_of = |found: &Found| cells.number(cells.of(found.body.place));
         first.clear();
         first.resize(cells.len() + 1, 0);
-        for p in found.iter() {
-            first[cell_of(*p) + 1] += 1;
+        for found in found.iter() {
+            first[cell_of(found) + 1] += 1;
         }
         for cell in 0..cells.len() {
             first[cell + 1] += first[cell];
@@ -224,21 +261,24 @@ impl Side {
         bodies.resize(found.len(), Body::default());
         sums.resize(found.len(), Response::default());
         // Each place in `first` moves on to the one behind its cell, where the next cell begins.
-        for p in found.iter() {
-            let place = &mut first[cell_of(*p)];
-            members[*place as usize] = *p;
-            bodies[*place as usize] = body(world, *p as usize);
+        for found in found.iter() {
+            let place = &mut first[cell_of(found)];
+            members[*place as usize] = found.place;
+            bodies[*place as usize] = found.body;
             *place += 1;
         }
         first.rotate_right(1);
         first[0] = 0;
     }
 
-    /// Sums the responses of every particle of this side; it is the first of its pairs, or the
-    /// second.
+    /// Sums the responses of every particle of this side and process; it is the first of its pairs,
+    /// or the second.
     fn respond<const FIRST: bool>(&mut self, other: &Side, cells: &Cells, law: &impl PairLaw) {
-        let one = |(sum, own): (&mut Response, &Body)| {
+        let one = |((sum, own), place): ((&mut Response, &Body), &u32)| {
             *sum = Response::default();
+            if *place == FOREIGN {
+                return;
+            }
             cells.around(cells.of(own.place), |run| {
                 let run = other.first[run.start] as usize..other.first[run.end] as usize;
                 for partner in &other.bodies[run] {
@@ -255,9 +295,9 @@ impl Side {
         };
         if self.bodies.len() >= 2 * LEAST_PER_THREAD && rayon::current_num_threads() > 1 {
             let sums = self.sums.par_iter_mut().with_min_len(LEAST_PER_THREAD);
-            sums.zip(&self.bodies).for_each(one);
+            sums.zip(&self.bodies).zip(&self.members).for_each(one);
         } else {
-            self.sums.iter_mut().zip(&self.bodies).for_each(one);
+            self.sums.iter_mut().zip(&self.bodies).zip(&self.members).for_each(one);
         }
     }
 }
@@ -299,7 +339,24 @@ fn pair(first: &Body, second: &Body) -> Option<Pair> {
     })
 }
 
-/// Limits of a solid and the size of its largest particle.
+/// Limits of two solids and the sizes of their largest particles, over all processes.
+fn extents(world: &World, solids: [usize; 2]) -> [Extent; 2] {
+    let here = solids.map(|solid| extent(world, solid));
+    let numbers =
+        |Extent { lower: [a, b, c], upper: [x, y, z], size }: Extent| [-a, -b, -c, x, y, z, size];
+    let [one, two] = here.map(numbers);
+    let most = world.ranks.largest(std::array::from_fn::<f64, 14, _>(|k| match k {
+        0..7 => one[k],
+        _ => two[k - 7],
+    }));
+    let (each, _) = most.as_chunks::<7>();
+    [0, 1].map(|side| {
+        let [a, b, c, x, y, z, size] = each[side];
+        Extent { lower: [-a, -b, -c], upper: [x, y, z], size }
+    })
+}
+
+/// Limits of a solid and the size of its largest particle, of those of this process.
 fn extent(world: &World, solid: usize) -> Extent {
     let particles = &world.particles;
     let add = |extent: Extent, p: usize| match particles.solid[p] as usize == solid {
@@ -320,16 +377,14 @@ pub struct Pairs {
     sides: [Side; 2],
 }
 
-/// Sums over all pairs.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Sums over all pairs whose first particle is in this process.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Totals {
     /// Force on the first solid \[M L/T^2\].
-    pub force: [f64; 3],
-    /// Power of friction \[M L^2/T^3\].
-    pub friction: f64,
+    pub force: VectorSum,
     /// Largest rate of all pairs \[1/T^2\].
     pub rate: f64,
-    /// Number of particles of the first solid that a partner pushes.
+    /// Number of particles of the first solid that a partner pushes, over all processes.
     pub pushed: usize,
 }
 
@@ -338,7 +393,7 @@ impl Pairs {
     pub fn sum(&mut self, world: &World, solids: [usize; 2], law: &impl PairLaw) -> Totals {
         let dimension = world.domain.dimension;
         let [first, second] = &mut self.sides;
-        let extents = solids.map(|solid| extent(world, solid));
+        let extents = extents(world, solids);
         let reach = radius(extents[0].size, dimension) + radius(extents[1].size, dimension);
         let limits = extents.map(|extent| extent.grown(reach));
         first.list(world, solids[0], &limits[1]);
@@ -351,25 +406,25 @@ impl Pairs {
         }
         let most = 64 + 2 * (first.found.len() + second.found.len());
         let cells = &Cells::new(&limits[0].common(limits[1]), reach, dimension, most);
-        first.sort(world, cells);
-        second.sort(world, cells);
+        first.sort(cells);
+        second.sort(cells);
         first.respond::<true>(second, cells, law);
         second.respond::<false>(first, cells, law);
         let mut totals = Totals::default();
         for sum in &first.sums {
-            for (total, force) in totals.force.iter_mut().zip(sum.force) {
-                *total += force;
-            }
-            totals.friction += sum.friction;
+            totals.force.add(sum.force);
             totals.pushed += usize::from(sum.force != [0.0; 3]);
             totals.rate = totals.rate.max(sum.rate);
         }
+        [totals.pushed] = world.ranks.count([totals.pushed]);
         totals
     }
 
-    /// Place in the table and sum of every particle of a side (0 or 1) that may have partners.
+    /// Place in the table and sum of every particle of a side (0 or 1) and this process that may
+    /// have partners.
     pub fn of_side(&self, side: usize) -> impl Iterator<Item = (usize, &Response)> {
         let Side { members, sums, .. } = &self.sides[side];
-        members.iter().map(|p| *p as usize).zip(sums)
+        let all = members.iter().zip(sums).filter(|(place, _)| **place != FOREIGN);
+        all.map(|(place, sum)| (*place as usize, sum))
     }
 }

@@ -3,6 +3,7 @@
 use super::by_space;
 use super::chunk::{SCRATCH, Scratch, stresses};
 use super::domains;
+use super::ghosts::NodeArray;
 use super::ledger::advance_and_book;
 use super::scatter::Parcel;
 use super::shared::Shared;
@@ -120,7 +121,10 @@ fn sweep_of<const D: usize, const ROUND: bool, F: Footprint<D>>(
         nodes: Shared::new(&mut grid.nodes),
         shares: Shared::new(&mut ledger.shares),
     };
-    tiles.sweep(|tile: Tile<'_>, report| {
+    let nodes = lent.nodes;
+    let adds = points.motion || points.force;
+    let arrays: &[&dyn NodeArray] = if adds { &[&nodes] } else { &[] };
+    tiles.sweep_into(arrays, |tile: Tile<'_>, report| {
         SCRATCH.with_borrow_mut(|scratch| {
             for range in of_one_solid(tile.range, seen.solid) {
                 let solid = &seen.solids[seen.solid[range.start] as usize];

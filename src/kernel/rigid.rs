@@ -39,7 +39,7 @@ fn flag_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut World
     let World { particles, grid, solids, .. } = world;
     let nodes = Shared::new(&mut grid.rigid);
     let records = F::part(&particles.domain, 0..particles.len());
-    tiles.sweep(|tile, _| {
+    tiles.sweep_into(&[&nodes], |tile, _| {
         for range in of_one_solid(tile.range, &particles.solid) {
             if !solids[particles.solid[range.start] as usize].rigid {
                 continue;

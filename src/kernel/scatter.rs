@@ -33,7 +33,7 @@ fn external_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut W
     let external = Shared::new(&mut grid.external);
     let force = [Column::Bx, Column::By, Column::Bz].map(|column| particles.column(column));
     let records = F::part(&particles.domain, 0..particles.len());
-    tiles.sweep(|tile, _| {
+    tiles.sweep_into(&[&nodes, &external], |tile, _| {
         for p in tile.range {
             if solids[particles.solid[p] as usize].rigid {
                 continue;

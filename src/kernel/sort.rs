@@ -3,12 +3,16 @@
 //! Particles are ordered by colour, lattice, tile, solid, cell and id. The order depends on their
 //! places alone, never on threads, and it stays until some particle could have crossed a cell.
 
+use super::deal::{Deal, Scene};
+use super::ghosts::{Layout, OwnTile};
 use super::stencil::Frame;
 use super::surfaces::find_couples;
 use super::tiles::{COLOURS, Order, Report, SMALLEST_PARALLEL, Tiles, side};
+use crate::model::contact::Couple;
 use crate::model::grid::{Grid, Keeps, Node};
 use crate::model::lattice::{Lattice, Window};
 use crate::model::particles::Particles;
+use crate::parallel::Ranks;
 use crate::shape::ShapeKind;
 use crate::world::{Solid, World};
 use rayon::prelude::*;
@@ -26,6 +30,9 @@ pub struct Sorter {
     bounds: Vec<Bounds>,
     marks: [Vec<u8>; 2],
     old: Grid,
+    deal: Deal,
+    /// Nodes that particles of this process reach, where others are in memory too.
+    reached: Vec<bool>,
 }
 
 /// Where a particle goes: ordered by colour and lattice, tile and solid, then cell, then id.
@@ -38,6 +45,12 @@ struct Key {
     from: u32,
 }
 
+impl Key {
+    fn same_tile(a: &Key, b: &Key) -> bool {
+        a.group == b.group && a.tile >> 16 == b.tile >> 16
+    }
+}
+
 /// Smallest and largest cell per axis.
 type Bounds = [[usize; 3]; 2];
 
@@ -47,7 +60,7 @@ fn joined([low, high]: Bounds, [l, h]: Bounds) -> Bounds {
     [std::array::from_fn(|a| low[a].min(l[a])), std::array::from_fn(|a| high[a].max(h[a]))]
 }
 
-/// Places that the sort goes by: before and after the movement of the step under way.
+/// Places that the sort goes by.
 struct Places<'a> {
     particles: &'a Particles,
     solids: &'a [Solid],
@@ -59,47 +72,49 @@ impl Places<'_> {
         self.solids[self.particles.solid[p] as usize].lattice
     }
 
-    fn before(&self, p: usize) -> [f64; 4] {
-        if self.total { self.particles.reference[p] } else { self.particles.position[p] }
-    }
-
-    fn after(&self, p: usize) -> [f64; 4] {
-        if self.total {
-            return self.particles.reference[p];
-        }
-        let (x, dx) = (self.particles.position[p], self.particles.displacement[p]);
-        std::array::from_fn(|axis| x[axis] + dx[axis])
+    fn of(&self, p: usize) -> [f64; 4] {
+        self.particles.places(self.total)[p]
     }
 }
 
 impl Sorter {
-    /// Sorts the particles by the places they are about to have (x + dx; reference places in
-    /// total Lagrangian methods) and fits the windows to the old and the new places. Nodal values
-    /// of the step under way are kept.
+    /// Sorts the particles by their places (reference places in total Lagrangian methods) and fits
+    /// the windows to them. All nodal values are zero then, but those that outlive a step: the external
+    /// force and the place of a node.
     pub fn sort(&mut self, world: &mut World, tiles: &mut Tiles) {
-        let World { particles, solids, grid, method, .. } = &mut *world;
+        let World { particles, solids, grid, method, ranks, .. } = &mut *world;
         let lattices = &grid.lattices;
         let (total, shape) = (method.total, method.shape);
         let mut orders = std::mem::take(&mut self.orders);
         tiles.corners = match shape {
             ShapeKind::Corners(_) => {
-                corner_cells(farthest_corner(particles, lattices, shape, solids))
+                let farthest = farthest_corner(particles, lattices, shape, solids);
+                let [farthest] = ranks.largest([farthest]);
+                corner_cells(farthest)
             }
             _ => 0,
         };
         let side = side(shape, tiles.corners);
         orders.clear();
         orders.extend(lattices.iter().map(|lattice| Order::new(&lattice.cells, side)));
+        let scene = Scene { orders: &orders, lattices, solids, total, side };
+        self.deal.deal(particles, &scene, ranks);
         self.order(&orders, lattices, &Places { particles, solids, total }, tiles);
         self.permute(particles, tiles.parallel);
         let places = Places { particles, solids, total };
         self.find_bounds(&orders, lattices, &places, tiles.parallel);
         let movement = if total { 0 } else { 1 };
         let reach = Reach { shape, movement, corners: tiles.corners };
-        self.fit(&orders, &places, &reach, grid);
+        let together = grid.keeps.contact && !ranks.is_alone();
+        self.fit(&orders, &places, &reach, grid, together);
+        let own = self.own_tiles(&orders);
+        let layout = Layout { orders: &orders, reach: &reach, deal: &self.deal };
+        tiles.ghosts.find(ranks, grid, &own, &layout, &mut self.reached);
         self.orders = orders;
+        self.hear_of_others(&mut world.grid, &world.ranks);
         if world.grid.keeps.contact {
-            find_couples(&mut world.grid, &self.old.couples, &world.contacts.pairs);
+            let pairs = &world.contacts.pairs;
+            find_couples(&mut world.grid, &self.old.couples, pairs, &self.reached);
         } else {
             world.grid.couples.clear();
         }
@@ -134,7 +149,7 @@ impl Sorter {
         let key = |from: usize| {
             let lattice = places.lattice(from);
             let order = &orders[lattice];
-            let cell = order.cell_of(&lattices[lattice].cells, places.after(from));
+            let cell = order.cell_of(&lattices[lattice].cells, places.of(from));
             let (colour, tile) = order.tile(cell);
             Key {
                 group: (colour as u32) << 16 | lattice as u32,
@@ -156,8 +171,7 @@ impl Sorter {
         tiles.lattices.clear();
         tiles.colours = [0; COLOURS + 1];
         let mut start = 0;
-        let same = |a: &Key, b: &Key| a.group == b.group && a.tile >> 16 == b.tile >> 16;
-        for tile in self.keys.chunk_by(same) {
+        for tile in self.keys.chunk_by(Key::same_tile) {
             tiles.ranges.push(start..start + tile.len());
             tiles.lattices.push(tile[0].group as u16);
             tiles.colours[(tile[0].group >> 16) as usize + 1] += 1;
@@ -191,7 +205,7 @@ impl Sorter {
         permute(&mut particles.solid, &mut self.solids, keys, parallel);
     }
 
-    /// Cells that hold particles, before and after the movement, by lattice.
+    /// Cells that hold particles, by lattice.
     fn find_bounds(
         &mut self,
         orders: &[Order],
@@ -202,9 +216,8 @@ impl Sorter {
         let count = places.particles.len();
         let of = |p: usize| {
             let lattice = places.lattice(p);
-            let cell = |place| orders[lattice].cell_of(&lattices[lattice].cells, place);
-            let [a, b] = [cell(places.before(p)), cell(places.after(p))];
-            (lattice, joined([a, a], [b, b]))
+            let cell = orders[lattice].cell_of(&lattices[lattice].cells, places.of(p));
+            (lattice, [cell, cell])
         };
         self.bounds.clear();
         self.bounds.resize(lattices.len(), NOTHING);
@@ -220,8 +233,78 @@ impl Sorter {
         }
     }
 
-    /// Fits the windows and their active runs to the cells of the particles.
-    fn fit(&mut self, orders: &[Order], places: &Places<'_>, reach: &Reach, grid: &mut Grid) {
+    /// The tiles in the order of the sort; none if there is one process.
+    fn own_tiles(&self, orders: &[Order]) -> Vec<OwnTile> {
+        let tile = |keys: &[Key]| {
+            let (lattice, colour) = (keys[0].group as u16 as usize, (keys[0].group >> 16) as usize);
+            let index = orders[lattice].index((keys[0].tile >> 16) as usize);
+            OwnTile { lattice, index, colour }
+        };
+        self.keys.chunk_by(Key::same_tile).map(tile).collect()
+    }
+
+    /// What outlives a step on nodes that other processes counted.
+    fn hear_of_others(&mut self, grid: &mut Grid, ranks: &Ranks) {
+        if ranks.is_alone() {
+            return;
+        }
+        if grid.keeps.external {
+            let old = &self.old;
+            let active = old.runs.iter().cloned().flatten();
+            let counted =
+                active.filter(|node| old.counts(*node) && old.external[*node] != [0.0; 4]);
+            let record = |place: usize| {
+                let number = old.places().lattice(place);
+                let lattice = &old.lattices[number];
+                let [x, y, z, _] = old.external[place];
+                let node = lattice.window.node(place).map(|index| index as f64);
+                [number as f64, node[0], node[1], node[2], x, y, z]
+            };
+            let all = ranks.share(&counted.flat_map(record).collect::<Vec<f64>>());
+            for [number, i, j, k, x, y, z] in all.as_chunks::<7>().0.iter().copied() {
+                let window = &grid.lattices[number as usize].window;
+                if let Some(place) = window.local([i, j, k].map(|index| index as usize)) {
+                    grid.external[place] = [x, y, z, 0.0];
+                }
+            }
+        }
+        if grid.keeps.contact {
+            let old = &self.old;
+            let counted = old
+                .couples
+                .iter()
+                .filter(|couple| couple.drag != [0.0; 3] && old.counts(couple.nodes[0] as usize));
+            let record = |couple: &Couple| {
+                let ([a, b, c], [x, y, z]) = (couple.drag, couple.slip);
+                [f64::from(couple.pair), couple.number as f64, a, b, c, x, y, z]
+            };
+            let all = ranks.share(&counted.flat_map(record).collect::<Vec<f64>>());
+            let couple = |[pair, number, a, b, c, x, y, z]: &[f64; 8]| Couple {
+                pair: *pair as u32,
+                number: *number as u64,
+                drag: [*a, *b, *c],
+                slip: [*x, *y, *z],
+                ..Couple::default()
+            };
+            self.old.couples = all.as_chunks::<8>().0.iter().map(couple).collect();
+            self.old.couples.sort_unstable_by_key(|couple| (couple.pair, couple.number));
+        }
+    }
+
+    /// Fits the windows and their active runs to the cells of the particles; `together`: the nodes
+    /// that particles of one lattice reach are in memory on all of them.
+    fn fit(
+        &mut self,
+        orders: &[Order],
+        places: &Places<'_>,
+        reach: &Reach,
+        grid: &mut Grid,
+        together: bool,
+    ) {
+        if together {
+            let all = self.bounds.iter().copied().fold(NOTHING, joined);
+            self.bounds.fill(all);
+        }
         std::mem::swap(grid, &mut self.old);
         grid.keeps = self.old.keeps;
         grid.mass_cutoff = self.old.mass_cutoff;
@@ -234,6 +317,7 @@ impl Sorter {
         resize(grid, start);
         self.keep_values(grid);
         grid.runs.clear();
+        self.reached.clear();
         for number in 0..grid.lattices.len() {
             let (lattice, bounds) = (&grid.lattices[number], self.bounds[number]);
             if lattice.window.is_empty() {
@@ -242,24 +326,42 @@ impl Sorter {
             let (low, size) = reach.cells(lattice, &bounds);
             mark_cells(&mut self.marks[0], &orders[number], lattice, places, number, low, size);
             dilate_all(&mut self.marks, lattice, reach, low, size);
-            add_runs(&mut grid.runs, &self.marks[0], lattice.window.start);
+            match together {
+                true => self.reached.extend(self.marks[0].iter().map(|mark| *mark != 0)),
+                false => add_runs(&mut grid.runs, &self.marks[0], lattice.window.start),
+            }
+        }
+        if together {
+            self.add_common_runs(grid);
         }
         index_runs(grid);
     }
 
-    /// Moves the nodal values of the old windows into the new ones.
+    /// Makes active on every lattice what is reached on one; all windows are the same.
+    fn add_common_runs(&mut self, grid: &mut Grid) {
+        let count = grid.lattices.first().map_or(0, |lattice| lattice.window.len());
+        let marks = &mut self.marks[0];
+        marks.clear();
+        marks.resize(count, 0);
+        for reached in self.reached.chunks(count.max(1)) {
+            for (mark, reached) in marks.iter_mut().zip(reached) {
+                *mark |= u8::from(*reached);
+            }
+        }
+        for lattice in &grid.lattices {
+            add_runs(&mut grid.runs, marks, lattice.window.start);
+        }
+    }
+
+    /// Moves the nodal values that outlive a step from the old windows into the new ones.
     fn keep_values(&self, grid: &mut Grid) {
         let old = &self.old;
         let mut active = old.runs.iter().cloned().flatten().peekable();
         for (before, after) in old.lattices.iter().zip(&grid.lattices) {
             while let Some(from) = active.next_if(|from| *from < before.window.places().end) {
                 let Some(to) = after.window.local(before.window.node(from)) else { continue };
-                grid.nodes[to] = old.nodes[from];
-                grid.mapped[to] = old.mapped[from];
                 copy(&mut grid.external, to, &old.external, from);
                 copy(&mut grid.displaced, to, &old.displaced, from);
-                copy(&mut grid.filtered, to, &old.filtered, from);
-                copy(&mut grid.rigid, to, &old.rigid, from);
             }
         }
     }
@@ -334,7 +436,7 @@ fn farthest_corner(
 }
 
 /// Which nodes particles can reach before the next sort.
-struct Reach {
+pub struct Reach {
     shape: ShapeKind,
     movement: usize,
     corners: usize,
@@ -342,7 +444,7 @@ struct Reach {
 
 impl Reach {
     /// First and last node that the particles of a range of cells can reach on an axis.
-    fn nodes(&self, cells: [usize; 2], count: usize) -> [usize; 2] {
+    pub fn nodes(&self, cells: [usize; 2], count: usize) -> [usize; 2] {
         let last = count * self.shape.nodes_per_cell();
         let low = cells[0].saturating_sub(self.movement);
         let high = (cells[1] + self.movement).min(count - 1);
@@ -394,17 +496,15 @@ fn mark_cells(
 ) {
     marks.clear();
     marks.resize(size.iter().product(), 0);
-    let mut last = [[usize::MAX; 3]; 2];
+    let mut last = [usize::MAX; 3];
     for p in 0..places.particles.len() {
         if places.lattice(p) != number {
             continue;
         }
-        for (place, last) in [places.before(p), places.after(p)].into_iter().zip(&mut last) {
-            let cell = order.cell_of(&lattice.cells, place);
-            if cell != *last {
-                *last = cell;
-                marks[index(size, std::array::from_fn(|axis| cell[axis] - low[axis]))] = 1;
-            }
+        let cell = order.cell_of(&lattice.cells, places.of(p));
+        if cell != last {
+            last = cell;
+            marks[index(size, std::array::from_fn(|axis| cell[axis] - low[axis]))] = 1;
         }
     }
 }

@@ -5,6 +5,7 @@
 //! found when particles are sorted, normals and gaps once in a step.
 
 use super::by_kind;
+use super::ghosts::NodeArray;
 use super::pairs::{radius, size};
 use super::points::of_one_solid;
 use super::shared::Shared;
@@ -18,11 +19,12 @@ use crate::world::World;
 /// No particle has been seen.
 const NOWHERE: [[f64; CANDIDATES]; 2] = [[f64::NEG_INFINITY; CANDIDATES]; 2];
 
-/// Lists the nodes that two bodies of a pair can reach before the next sort. What the couples of
-/// the step under way know is kept.
-pub fn find_couples(grid: &mut Grid, old: &[Couple], pairs: &[Pair]) {
+/// Lists the nodes that two bodies of a pair can reach before the next sort, of the nodes that are
+/// `reached` if that says more than what is in memory. What the `old` couples know is kept.
+pub fn find_couples(grid: &mut Grid, old: &[Couple], pairs: &[Pair], reached: &[bool]) {
     let Grid { lattices, couples, coupled, runs, extents, .. } = grid;
     couples.clear();
+    let is_reached = |node: usize| reached.get(node).is_none_or(|reached| *reached);
     for (number, pair) in pairs.iter().enumerate() {
         let [first, second] = pair.lattices.map(|lattice| &lattices[lattice]);
         let own = first.window.places();
@@ -32,7 +34,8 @@ pub fn find_couples(grid: &mut Grid, old: &[Couple], pairs: &[Pair]) {
             let index = first.window.node(node);
             let Some(other) = second.window.local(index) else { continue };
             let run = runs.partition_point(|run| run.end <= other);
-            if runs.get(run).is_some_and(|run| run.start <= other) {
+            let active = runs.get(run).is_some_and(|run| run.start <= other);
+            if active && is_reached(node) && is_reached(other) {
                 couples.push(Couple {
                     pair: number as u32,
                     nodes: [node as u32, other as u32],
@@ -84,7 +87,7 @@ fn outward_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut Wo
     let World { particles, grid, solids, method, .. } = world;
     let (coupled, outward) = (&grid.coupled, Shared::new(&mut grid.outward));
     let records = F::part(&particles.domain, 0..particles.len());
-    tiles.sweep(|tile, _| {
+    tiles.sweep_into(&[&outward], |tile, _| {
         for range in of_one_solid(tile.range, &particles.solid) {
             let rigid = solids[particles.solid[range.start] as usize].rigid;
             for p in range {
@@ -159,7 +162,8 @@ fn extents_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut Wo
     let Grid { coupled, couples, .. } = grid;
     let cell = world.domain.cell;
     let records = F::part(&particles.domain, 0..particles.len());
-    tiles.sweep(|tile, _| {
+    let array = Extents { extents: shared, coupled, couples, most: grid.lattices.len() - 1 };
+    tiles.sweep_into(&[&array], |tile, _| {
         for p in tile.range {
             let support = F::at::<Plain>(tile.frame, &particles.position[p], &records, p);
             support.each_slope(|node, _, _, away| {
@@ -188,6 +192,52 @@ fn extents_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut Wo
         }
     });
     world.grid.extents = extents;
+}
+
+/// The extents of the couples of a node, as an array over nodes: of each couple one side is its own.
+struct Extents<'a> {
+    extents: Shared<'a, [f64; CANDIDATES]>,
+    coupled: &'a [u32],
+    couples: &'a [Couple],
+    /// Most couples of a node.
+    most: usize,
+}
+
+impl Extents<'_> {
+    /// Places of the extents of a node, in an order that all processes share.
+    fn each(&self, node: usize) -> impl Iterator<Item = usize> {
+        let mut next = self.coupled[node];
+        std::iter::from_fn(move || {
+            let number = (next as usize).checked_sub(1)?;
+            let couple = &self.couples[number];
+            let side = usize::from(couple.nodes[0] as usize != node);
+            next = couple.next[side];
+            Some(2 * number + side)
+        })
+    }
+}
+
+impl NodeArray for Extents<'_> {
+    /// Room for the couples of the node with most; the last ones may be unused.
+    fn width(&self) -> usize {
+        CANDIDATES * self.most
+    }
+
+    unsafe fn put(&self, node: usize, out: &mut Vec<f64>) {
+        let end = out.len() + self.width();
+        for place in self.each(node) {
+            // SAFETY: a side belongs to one node, and the caller promises that nobody writes to it.
+            out.extend_from_slice(unsafe { &self.extents.part(place..place + 1)[0] });
+        }
+        out.resize(end, 0.0);
+    }
+
+    unsafe fn take(&self, node: usize, numbers: &[f64]) {
+        for (place, numbers) in self.each(node).zip(numbers.as_chunks::<CANDIDATES>().0) {
+            // SAFETY: a side belongs to one node, and the caller promises that nobody uses it.
+            unsafe { self.extents.part(place..place + 1)[0] = *numbers };
+        }
+    }
 }
 
 /// n <- the candidate along which the bodies lie farthest apart, gap <- their distance along it. At

@@ -2,8 +2,10 @@
 //!
 //! Tiles are coloured 2 x 2. Between two sorts a particle moves by at most one cell, so with
 //! enough cells per side, tiles of one colour never touch the same node: they run in parallel,
-//! colours one after another. Tiles of different lattices share no node at all.
+//! colours one after another. Tiles of different lattices share no node at all. Where processes share
+//! nodes, what a colour has added passes between them before the next one begins ([`super::ghosts`]).
 
+use super::ghosts::{Ghosts, NodeArray};
 use super::shared::Shared;
 use super::stencil::Frame;
 use crate::material::State;
@@ -123,7 +125,7 @@ pub struct Tile<'a> {
 }
 
 /// The tiles that hold particles.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct Tiles {
     /// Particles of each tile, tiles by colour.
     pub ranges: Vec<Range<usize>>,
@@ -141,28 +143,44 @@ pub struct Tiles {
     pub corners: usize,
     /// Sweeps run on several threads.
     pub parallel: bool,
+    /// Nodes shared with other processes.
+    pub ghosts: Ghosts,
 }
 
 impl Tiles {
-    /// Does the work for every tile; gives all reports in one.
+    /// Does the work for every tile, which adds to no node; gives all reports in one.
     pub fn sweep(&mut self, work: impl Fn(Tile<'_>, &mut Report) + Sync) -> Report {
-        self.sweep_with(&work)
+        self.sweep_with(&[], &work)
+    }
+
+    /// Does the work for every tile, which adds to these arrays over nodes; gives all reports of this
+    /// process in one.
+    pub fn sweep_into(
+        &mut self,
+        arrays: &[&dyn NodeArray],
+        work: impl Fn(Tile<'_>, &mut Report) + Sync,
+    ) -> Report {
+        self.sweep_with(arrays, &work)
     }
 
     /// The same, compiled once for all kinds of work: one call a tile goes through the pointer.
-    fn sweep_with(&mut self, work: &Work<'_>) -> Report {
-        let queue = Queue {
-            next: AtomicUsize::new(0),
-            done: AtomicUsize::new(0),
-            ranges: &self.ranges,
-            lattices: &self.lattices,
-            frames: &self.frames,
-            colours: &self.colours,
-            reports: Shared::new(&mut self.reports),
-            work,
-        };
-        let workers = if self.parallel { rayon::current_num_threads() } else { 1 };
-        side_by_side(workers, &|| queue.serve());
+    fn sweep_with(&mut self, arrays: &[&dyn NodeArray], work: &Work<'_>) -> Report {
+        let Self { ranges, lattices, frames, colours, reports, parallel, ghosts, .. } = self;
+        let reports = Shared::new(reports);
+        let job = Job { ranges, lattices, frames, reports, work };
+        let workers = if *parallel { rayon::current_num_threads() } else { 1 };
+        if ghosts.is_alone() || arrays.is_empty() {
+            let (next, done) = Default::default();
+            let queue = Queue { next, done, job, colours };
+            side_by_side(workers, &|| queue.serve());
+        } else {
+            let tiles = std::mem::take(&mut ghosts.tiles);
+            for (colour, [border, inner]) in tiles.iter().enumerate() {
+                job.share(border, workers);
+                ghosts.pass(colour, arrays, &mut || job.share(inner, workers));
+            }
+            ghosts.tiles = tiles;
+        }
         self.by_lattice.fill(Report::default());
         for (report, lattice) in self.reports.iter().zip(&self.lattices) {
             let sum = &mut self.by_lattice[*lattice as usize];
@@ -184,6 +202,41 @@ fn side_by_side(count: usize, worker: &(dyn Fn() + Sync)) {
     rayon::join(|| side_by_side(half, worker), || side_by_side(count - half, worker));
 }
 
+/// What is done in a sweep, and where.
+struct Job<'a> {
+    ranges: &'a [Range<usize>],
+    lattices: &'a [u16],
+    frames: &'a [Frame],
+    reports: Shared<'a, Report>,
+    work: &'a Work<'a>,
+}
+
+impl Job<'_> {
+    /// Does the work for a tile.
+    ///
+    /// # Safety
+    /// Each tile has one worker.
+    unsafe fn tile(&self, tile: usize) {
+        // SAFETY: the caller promises that nobody else uses the report of this tile.
+        let report = unsafe { self.reports.part(tile..tile + 1) };
+        report[0] = Report::default();
+        let frame = &self.frames[self.lattices[tile] as usize];
+        (self.work)(Tile { range: self.ranges[tile].clone(), frame }, &mut report[0]);
+    }
+
+    /// Does the work for some tiles of one colour.
+    fn share(&self, tiles: &[u32], workers: usize) {
+        let next = AtomicUsize::new(0);
+        side_by_side(workers.min(tiles.len()), &|| {
+            while let Some(tile) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
+                // SAFETY: the counter gives each tile of the list to one worker, and no list holds
+                // a tile twice.
+                unsafe { self.tile(*tile as usize) };
+            }
+        });
+    }
+}
+
 /// The tiles of one sweep, taken one after the other by whoever is free; those of a colour begin
 /// when all of the colour before are done. One fork of threads then serves all colours.
 struct Queue<'a> {
@@ -191,12 +244,8 @@ struct Queue<'a> {
     next: AtomicUsize,
     /// Tiles that are done.
     done: AtomicUsize,
-    ranges: &'a [Range<usize>],
-    lattices: &'a [u16],
-    frames: &'a [Frame],
+    job: Job<'a>,
     colours: &'a [usize],
-    reports: Shared<'a, Report>,
-    work: &'a Work<'a>,
 }
 
 impl Queue<'_> {
@@ -204,7 +253,7 @@ impl Queue<'_> {
     fn serve(&self) {
         loop {
             let tile = self.next.fetch_add(1, Ordering::Relaxed);
-            if tile >= self.ranges.len() {
+            if tile >= self.job.ranges.len() {
                 return;
             }
             let first_of_colour = self.colours.partition_point(|first| *first <= tile) - 1;
@@ -212,10 +261,7 @@ impl Queue<'_> {
             // Counts the tile even if the work panics, so that nobody waits for ever.
             let _counted = Counted(&self.done);
             // SAFETY: the counter gives each tile to one worker.
-            let report = unsafe { self.reports.part(tile..tile + 1) };
-            report[0] = Report::default();
-            let frame = &self.frames[self.lattices[tile] as usize];
-            (self.work)(Tile { range: self.ranges[tile].clone(), frame }, &mut report[0]);
+            unsafe { self.job.tile(tile) };
         }
     }
 
@@ -256,10 +302,26 @@ impl Order {
         Self { side, tiles_across: cells[1].div_ceil(side), cells }
     }
 
+    /// The tile of a cell: its index on both axes.
+    pub fn tile_of(&self, cell: [usize; 3]) -> [usize; 2] {
+        [cell[0] / self.side, cell[1] / self.side]
+    }
+
     /// Colour and number of the tile of a cell.
     pub fn tile(&self, cell: [usize; 3]) -> (usize, usize) {
-        let (x, y) = (cell[0] / self.side, cell[1] / self.side);
+        let [x, y] = self.tile_of(cell);
         (x % 2 * 2 + y % 2, x * self.tiles_across + y)
+    }
+
+    /// The index of a tile on both axes.
+    pub fn index(&self, tile: usize) -> [usize; 2] {
+        [tile / self.tiles_across, tile % self.tiles_across]
+    }
+
+    /// First and last cell of a tile on an axis.
+    pub fn cells_of(&self, tile: [usize; 2], axis: usize) -> [usize; 2] {
+        let first = tile[axis] * self.side;
+        [first, (first + self.side).min(self.cells[axis]) - 1]
     }
 
     /// Number of the cell within its tile.

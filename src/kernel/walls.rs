@@ -1,7 +1,8 @@
 //! Particles about to leave the box: removed, or reflected (`boundary`).
 //!
 //! Reads places and displacements; only where a particle is about to leave are its displacement
-//! and velocity changed, after all of its momentum has gone to the nodes of the step.
+//! and velocity changed, after all of its momentum has gone to the nodes of the step. Particles are
+//! removed when they have left.
 
 use crate::model::domain::Domain;
 use crate::model::particles::Particles;
@@ -33,12 +34,11 @@ pub fn any_outside(world: &World, parallel: bool) -> bool {
     }
 }
 
-/// Removes the particles about to leave the box; gives their number. `keep` is memory to use.
+/// Removes the particles that have left the box; gives their number. `keep` is memory to use.
 pub fn remove(world: &mut World, keep: &mut Vec<bool>) -> u64 {
     let World { domain, particles, .. } = world;
-    let pairs = particles.position.iter().zip(&particles.displacement);
     keep.clear();
-    keep.extend(pairs.map(|(x, dx)| !outside(domain, x, dx)));
+    keep.extend(particles.position.iter().map(|x| !outside(domain, x, &[0.0; 4])));
     particles.retain(keep);
     keep.iter().filter(|keep| !**keep).count() as u64
 }

@@ -1,5 +1,7 @@
 //! Multi-field contact: which solids have velocities of their own on the grid, and where they meet.
 
+use crate::math::exact_sum::{ExactSum, VectorSum};
+
 /// What happens at a node where two bodies approach each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
@@ -25,9 +27,9 @@ pub struct Contact {
     /// Bodies meet where their surfaces touch; otherwise where they share nodes.
     pub touching: bool,
     /// Force on the first solid in the last step \[M L/T^2\].
-    pub force: [f64; 3],
+    pub force: VectorSum,
     /// Heat of friction so far \[M L^2/T^2\].
-    pub heat: f64,
+    pub heat: ExactSum,
 }
 
 /// Two fields that meet.
@@ -135,7 +137,8 @@ impl Contacts {
                     contact.or_else(|| self.list.iter().position(|one| one.solids.is_none()));
                 self.pairs.push(match contact {
                     Some(number) => {
-                        let Contact { rule, touching, solids, .. } = self.list[number];
+                        let Contact { rule, touching, solids, .. } = &self.list[number];
+                        let (rule, touching, solids) = (*rule, *touching, *solids);
                         let swapped = solids.is_some_and(|[one, _]| one == b);
                         let counts = if solids.is_some() || a == 0 { 1.0 } else { 0.0 };
                         let lattices = if swapped { [second, first] } else { [first, second] };
@@ -160,8 +163,9 @@ mod tests {
     use super::*;
 
     fn contact(rule: Rule, solids: Option<[usize; 2]>) -> Contact {
-        let (name, force) = ("c".to_string(), [0.0; 3]);
-        Contact { name, rule, solids, touching: false, force, heat: 0.0 }
+        let name = "c".to_string();
+        let (force, heat) = Default::default();
+        Contact { name, rule, solids, touching: false, force, heat }
     }
 
     #[test]

@@ -64,6 +64,8 @@ pub struct Grid {
     members: Vec<Vec<u32>>,
     /// Nodes with less mass are empty.
     pub mass_cutoff: f64,
+    /// Nodes that another process counts in sums over all nodes; empty if there is one process.
+    pub counted_elsewhere: Vec<bool>,
 }
 
 /// Which optional arrays a grid has.
@@ -89,6 +91,11 @@ impl Grid {
     /// Active nodes of a group, as places in memory.
     pub fn of_group(&self, group: GroupId) -> &[u32] {
         self.members.get(group.0).map_or(&[], Vec::as_slice)
+    }
+
+    /// Does this process count the node in sums over all nodes?
+    pub fn counts(&self, node: usize) -> bool {
+        !self.counted_elsewhere.get(node).is_some_and(|elsewhere| *elsewhere)
     }
 
     /// Nodes in memory.
@@ -137,6 +144,7 @@ impl Grid {
             held: if self.filtered.is_empty() { None } else { Some(&mut self.held) },
             temperature: &mut self.temperature,
             mass_cutoff: self.mass_cutoff,
+            counted_elsewhere: &self.counted_elsewhere,
         };
         let places = Places { lattices: &self.lattices, displaced: &self.displaced };
         (members, nodal, places)
@@ -177,9 +185,15 @@ pub struct Nodal<'a> {
     held: Option<&'a mut Vec<(usize, usize)>>,
     temperature: &'a mut [[f64; 4]],
     mass_cutoff: f64,
+    counted_elsewhere: &'a [bool],
 }
 
 impl Nodal<'_> {
+    /// Does this process count the node in sums over all nodes?
+    pub fn counts(&self, node: usize) -> bool {
+        !self.counted_elsewhere.get(node).is_some_and(|elsewhere| *elsewhere)
+    }
+
     /// Mass of a node \[M\]; 0 if it is empty.
     pub fn mass(&self, node: usize) -> f64 {
         let mass = self.nodes[node].motion[3];

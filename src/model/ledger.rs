@@ -1,5 +1,8 @@
 //! Where the energy of a run goes.
 
+use crate::math::exact_sum::ExactSum;
+use crate::parallel::Ranks;
+
 /// Energies since the ledger was opened \[M L^2/T^2\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sums {
@@ -53,6 +56,34 @@ impl Sums {
     }
 }
 
+/// What nodes and particles of this process have done since the books were last settled: terms of the
+/// [`Sums`] of the same names \[M L^2/T^2\].
+#[derive(Clone, Debug, Default)]
+pub struct Books {
+    /// What the stress has stored.
+    pub stored: ExactSum,
+    /// Plastic work.
+    pub plastic: ExactSum,
+    /// Work against viscosity.
+    pub viscous: ExactSum,
+    /// Stored energy lost with stiffness.
+    pub damage: ExactSum,
+    /// Work against friction of contacts.
+    pub friction: ExactSum,
+    /// Work against damping fixes.
+    pub damping: ExactSum,
+    /// Plastic work that became heat.
+    pub heat: ExactSum,
+    /// Work done by forces.
+    pub external: ExactSum,
+    /// Work done by prescribed velocities.
+    pub boundary: ExactSum,
+    /// Kinetic energy lost on the way.
+    pub numerical: ExactSum,
+    /// Work of all nodal forces.
+    pub nodal: ExactSum,
+}
+
 /// What a particle has done in a step \[M L^2/T^2\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Share {
@@ -94,6 +125,8 @@ pub struct Ledger {
     pub open: bool,
     /// Energies since it was opened.
     pub sums: Sums,
+    /// What is not yet in them.
+    pub books: Books,
     /// Balance at its start.
     start: f64,
     /// Largest term so far.
@@ -119,6 +152,7 @@ impl Ledger {
         } else {
             self.open = true;
             self.sums = Sums { kinetic, stored: strain, ..Sums::default() };
+            self.books = Books::default();
             self.start = self.sums.balance();
             self.largest = self.sums.largest();
             self.residual = 0.0;
@@ -153,19 +187,60 @@ impl Ledger {
     ///
     /// Velocities belong to the middle of the time in which they strain the particles. So the
     /// residual is taken there too: between the balances before and after.
-    pub fn collect(&mut self) {
+    pub fn collect(&mut self, ranks: &Ranks) {
+        self.settle(ranks);
         let before = self.sums.balance();
-        let sums = &mut self.sums;
+        let books = &mut self.books;
         for share in &self.shares {
             let lost = share.plastic + share.viscous + share.damage;
-            sums.stored += share.work - lost;
-            sums.plastic += share.plastic;
-            sums.viscous += share.viscous;
-            sums.damage += share.damage;
-            sums.heat += share.heat;
+            books.stored.add(share.work - lost);
+            books.plastic.add(share.plastic);
+            books.viscous.add(share.viscous);
+            books.damage.add(share.damage);
+            books.heat.add(share.heat);
         }
+        self.settle(ranks);
         self.residual = 0.5 * (before + self.sums.balance()) - self.start;
         self.largest = self.largest.max(self.sums.largest());
+    }
+
+    /// Adds what stands in the books of all processes to the sums; gives the work of the nodal
+    /// forces among it.
+    pub fn settle(&mut self, ranks: &Ranks) -> f64 {
+        let Books {
+            stored,
+            plastic,
+            viscous,
+            damage,
+            friction,
+            damping,
+            heat,
+            external,
+            boundary,
+            numerical,
+            nodal,
+        } = std::mem::take(&mut self.books);
+        let sums = &mut self.sums;
+        let into = [
+            &mut sums.stored,
+            &mut sums.plastic,
+            &mut sums.viscous,
+            &mut sums.damage,
+            &mut sums.friction,
+            &mut sums.damping,
+            &mut sums.heat,
+            &mut sums.external,
+            &mut sums.boundary,
+            &mut sums.numerical,
+        ];
+        let [totals @ .., work] = ranks.totals([
+            &stored, &plastic, &viscous, &damage, &friction, &damping, &heat, &external, &boundary,
+            &numerical, &nodal,
+        ]);
+        for (sum, total) in into.into_iter().zip(totals) {
+            *sum += total;
+        }
+        work
     }
 
     /// What is left over: all energies and losses, less the work put in, less those of the start.
@@ -186,20 +261,21 @@ mod tests {
     #[test]
     fn what_is_neither_kept_nor_lost_is_the_residual() {
         let mut ledger = Ledger::default();
+        let alone = &Ranks::default();
         ledger.begin(3.0, 1.0, 2, 1);
         assert_eq!((ledger.residual(), ledger.error()), (0.0, 0.0));
         ledger.shares[0] = Share { work: 2.0, plastic: 0.5, ..Share::default() };
-        ledger.collect();
+        ledger.collect(alone);
         // Half way through the step one of the two has been done.
         assert_eq!((ledger.sums.stored, ledger.residual()), (2.5, 1.0));
         ledger.sums.kinetic -= 1.0;
         ledger.sums.external += 0.5;
         ledger.fit(2, 1);
-        ledger.collect();
+        ledger.collect(alone);
         assert_eq!((ledger.residual(), ledger.error()), (0.5, 0.5 / 3.0));
         // A jump between two runs is work from outside and leaves the residual alone.
         ledger.begin(7.0, 1.25, 2, 1);
-        ledger.collect();
+        ledger.collect(alone);
         assert_eq!((ledger.sums.external, ledger.residual()), (5.75, 0.5));
         ledger.add_damping(5, [1.0; 3]);
         ledger.add_damping(1, [1.0; 3]);

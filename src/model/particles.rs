@@ -36,6 +36,11 @@ pub struct Particles {
     pub masks: Vec<Vec<u64>>,
     /// The columns that exist.
     pub present: ColumnSet,
+    /// Particles at the end of the table that every process still has: those placed since the last
+    /// sort dealt particles out.
+    pub undealt: usize,
+    /// Another process counts those.
+    pub counted_elsewhere: bool,
 }
 
 impl Particles {
@@ -47,6 +52,11 @@ impl Particles {
     /// Number of particles.
     pub fn len(&self) -> usize {
         self.id.len()
+    }
+
+    /// Places in the table of the particles that this process counts in sums over all: its own.
+    pub fn counted(&self) -> std::ops::Range<usize> {
+        0..self.len() - if self.counted_elsewhere { self.undealt } else { 0 }
     }
 
     /// Is there no particle?
@@ -109,12 +119,16 @@ impl Particles {
 
     /// All records that exist.
     pub fn records_mut(&mut self) -> impl Iterator<Item = &mut Vec<[f64; 4]>> {
+        self.all_records_mut().filter(|records| !records.is_empty())
+    }
+
+    /// All records, those that do not exist too.
+    pub fn all_records_mut(&mut self) -> impl Iterator<Item = &mut Vec<[f64; 4]>> {
         [&mut self.position, &mut self.velocity, &mut self.displacement, &mut self.reference]
             .into_iter()
             .chain(&mut self.matrix)
             .chain(&mut self.domain)
             .chain(&mut self.carried)
-            .filter(|records| !records.is_empty())
     }
 
     /// The places that weights belong to: x0, y0, z0 in total Lagrangian methods, else x, y, z.
@@ -145,6 +159,7 @@ impl Particles {
         self.velocity.push([0.0, 0.0, 0.0, volume]);
         self.displacement.push([0.0; 4]);
         self.id.push(id);
+        self.undealt += 1;
         self.solid.push(solid);
         for words in &mut self.masks {
             words.push(0);
@@ -172,11 +187,16 @@ impl Particles {
         }
     }
 
-    /// Puts a particle into the group of bit `bit`.
-    pub fn join(&mut self, particle: usize, bit: usize) {
+    /// Room for the group of bit `bit`.
+    pub fn require_mask(&mut self, bit: usize) {
         while self.masks.len() <= bit / 64 {
             self.masks.push(vec![0; self.id.len()]);
         }
+    }
+
+    /// Puts a particle into the group of bit `bit`.
+    pub fn join(&mut self, particle: usize, bit: usize) {
+        self.require_mask(bit);
         self.masks[bit / 64][particle] |= 1 << (bit % 64);
     }
 
@@ -191,14 +211,14 @@ impl Particles {
         }
     }
 
-    /// Indices of the particles of a group, in storage order.
+    /// Indices of the particles of a group that this process counts, in storage order.
     pub fn of_group<'a>(
         &'a self,
         groups: &'a Groups,
         group: GroupId,
     ) -> impl Iterator<Item = usize> + 'a {
         let members = &groups[group].members;
-        (0..self.len()).filter(move |particle| self.belongs(*particle, members))
+        self.counted().filter(move |particle| self.belongs(*particle, members))
     }
 
     /// Removes the particles for which `keep` is false; the order of the others stays.
@@ -207,6 +227,8 @@ impl Particles {
             let mut flags = keep.iter();
             column.retain(|_| flags.next().copied().unwrap_or(true));
         }
+        let dealt = self.len() - self.undealt;
+        self.undealt = keep[dealt..].iter().filter(|keep| **keep).count();
         for records in self.records_mut() {
             filter(records, keep);
         }

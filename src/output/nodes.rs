@@ -85,6 +85,10 @@ impl Dump for GridDump {
         plan.node_places |= any(["x", "y", "z"]);
     }
 
+    fn shows_nodes(&self) -> bool {
+        true
+    }
+
     fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<PathBuf, Fault> {
         let world = snapshot.world;
         let nodes = all_nodes(world, self.group);

@@ -66,6 +66,10 @@ impl Dump for Picture {
         plan.node_places = true;
     }
 
+    fn shows_nodes(&self) -> bool {
+        true
+    }
+
     fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<PathBuf, Fault> {
         let path = PathBuf::from(self.pattern.replace('*', &snapshot.step.to_string()));
         file::write_whole(&path, &draw(snapshot, self.width, self.height).encode(&path))?;
@@ -111,18 +115,21 @@ fn draw(snapshot: &Snapshot<'_>, width: u32, height: u32) -> Canvas {
     let frame = Frame::new(&world.domain, width, height);
     let mut canvas = Canvas::new(width, height);
     crosses(&mut canvas, &frame, world);
+    // Storage changes as particles move; a picture does not.
+    let mut order: Vec<usize> = (0..world.particles.len()).collect();
+    order.sort_unstable_by_key(|p| world.particles.id[*p]);
     for solid in 0..world.solids.len() {
         let of_solid = |p: &usize| world.particles.solid[*p] as usize == solid;
         let place = |p: usize| {
             let [x, y, ..] = world.particles.position[p];
             frame.pixel(x, y)
         };
-        let centres = (0..world.particles.len()).filter(of_solid).map(place).collect();
+        let centres = order.iter().copied().filter(of_solid).map(place).collect();
         let spacing = world.solids[solid].cells.cell / world.solids[solid].particles_per_cell;
         let radius = (0.4 * spacing * frame.scale).clamp(0.5, 20.0) as f32;
         canvas.marks.push(Mark::Dots { centres, radius, colour: Colour::of(solid) });
     }
-    outlines(&mut canvas, &frame, world);
+    outlines(&mut canvas, &frame, world, &order);
     axes(&mut canvas, &frame);
     let title = format!("t = {}", number::brief(snapshot.time));
     canvas.text([0.5 * width as f32, 0.5 * MARGIN as f32], 16.0, Anchor::Middle, title);
@@ -157,12 +164,12 @@ fn crosses(canvas: &mut Canvas, frame: &Frame, world: &World) {
 }
 
 /// The edges of the domains of particles (CPDI).
-fn outlines(canvas: &mut Canvas, frame: &Frame, world: &World) {
+fn outlines(canvas: &mut Canvas, frame: &Frame, world: &World, order: &[usize]) {
     let ShapeKind::Corners(kind) = world.method.shape else { return };
     let edges = kind.edges(world.domain.dimension);
     let mut segments = Vec::new();
-    for p in 0..world.particles.len() {
-        let corners = world.corners(p);
+    for p in order {
+        let corners = world.corners(*p);
         let pixel = |c: usize| frame.pixel(corners[c][0], corners[c][1]);
         segments.extend(edges.iter().map(|[from, to]| [pixel(*from), pixel(*to)]));
     }

@@ -17,6 +17,8 @@ pub struct OutputOptions {
     pub log: Option<PathBuf>,
     /// First line of the log: program, version, script.
     pub title: String,
+    /// Another process writes all files.
+    pub mute: bool,
 }
 
 struct DumpEntry {
@@ -58,13 +60,19 @@ pub struct Outputs {
     run: Option<(time::Instant, u64)>,
     whole: time::Instant,
     fault: Option<Fault>,
+    /// Another process writes all files.
+    mute: bool,
 }
 
 impl Outputs {
     /// Outputs with a log and nothing else.
     pub fn new(options: OutputOptions) -> Self {
         Self {
-            log: Log::new(options.log, !options.quiet),
+            log: match options.mute {
+                true => Log::new(None, false),
+                false => Log::new(options.log, !options.quiet),
+            },
+            mute: options.mute,
             title: Some(options.title),
             interval: 1,
             columns: vec![LogColumn::Dt, LogColumn::Time],
@@ -82,7 +90,7 @@ impl Outputs {
     /// Outputs that write and show nothing, for runs from code.
     pub fn silent() -> Self {
         let title = String::new();
-        let mut outputs = Self::new(OutputOptions { quiet: true, log: None, title });
+        let mut outputs = Self::new(OutputOptions { quiet: true, log: None, title, mute: false });
         outputs.interval = 0;
         outputs
     }
@@ -131,7 +139,7 @@ impl Outputs {
 
     /// Does nobody see or keep the log?
     pub fn is_silent(&self) -> bool {
-        self.log.is_silent()
+        self.log.is_silent() && !self.mute
     }
 
     /// A line on the screen and in the log.
@@ -162,7 +170,7 @@ impl Outputs {
         step: u64,
         summary: &[(&'static str, String)],
         steps: Option<u64>,
-        megabytes: f64,
+        megabytes: [f64; 3],
     ) -> Result<(), Fault> {
         if let Some(fault) = self.fault.take() {
             return Err(fault);
@@ -175,9 +183,9 @@ impl Outputs {
         for (name, value) in summary {
             self.log.line(&format!("{name:<20}{value}"))?;
         }
-        let memory = number::brief(megabytes);
+        let [least, mean, most] = megabytes.map(number::brief);
         self.log.line(&format!(
-            "Per MPI rank memory allocation (min/avg/max) = {memory} | {memory} | {memory} Mbytes"
+            "Per MPI rank memory allocation (min/avg/max) = {least} | {mean} | {most} Mbytes"
         ))?;
         let name = |column: &LogColumn| match column {
             LogColumn::Dt => "dt".to_string(),
@@ -201,6 +209,11 @@ impl Outputs {
     /// Is a dump due after this step?
     pub fn dump_is_due(&self, step: u64) -> bool {
         self.dumps.iter().any(|entry| entry.due(step))
+    }
+
+    /// Is a dump due that shows nodes?
+    pub fn nodes_are_due(&self, step: u64) -> bool {
+        self.dumps.iter().any(|entry| entry.due(step) && entry.dump.shows_nodes())
     }
 
     fn row_due(&self, step: u64, last: bool) -> bool {
@@ -241,9 +254,11 @@ impl Outputs {
     ) -> Result<(), Fault> {
         let step = snapshot.step;
         for entry in self.dumps.iter_mut().filter(|entry| entry.due(step)) {
-            let path = entry.dump.write(snapshot)?;
             entry.last = Some(step);
-            note(&mut self.written, &path, step);
+            if !self.mute {
+                let path = entry.dump.write(snapshot)?;
+                note(&mut self.written, &path, step);
+            }
         }
         for curve in self.curves.iter_mut().filter(|curve| curve.due(step, last)) {
             curve.points.push([curve.x.1.value(board, now), curve.y.1.value(board, now)]);
@@ -283,14 +298,20 @@ impl Outputs {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn end_run(&mut self, steps: u64, particles: usize, timing: &Timing) -> Result<(), Fault> {
+    pub fn end_run(
+        &mut self,
+        steps: u64,
+        particles: usize,
+        processes: usize,
+        timing: &Timing,
+    ) -> Result<(), Fault> {
         self.log.end_progress();
         let Some((start, _)) = self.run.take() else {
             return Ok(());
         };
         let seconds = start.elapsed().as_secs_f64();
         self.log.line(&format!(
-            "Loop time of {} on 1 procs for {steps} steps with {particles} particles",
+            "Loop time of {} on {processes} procs for {steps} steps with {particles} particles",
             number::brief(seconds)
         ))?;
         if steps > 0 {
@@ -315,7 +336,7 @@ impl Outputs {
 
     /// The figure of all curves, anew at the end of every run.
     fn write_figure(&mut self) -> Result<(), Fault> {
-        if self.curves.is_empty() {
+        if self.curves.is_empty() || self.mute {
             return Ok(());
         }
         let path = self.figure.clone().unwrap_or_else(|| PathBuf::from("plot.pdf"));

@@ -3,6 +3,7 @@
 use super::{Parts, SchemeKind};
 use crate::kernel::contact::{self, Velocities};
 use crate::kernel::{ledger, rigid, surfaces};
+use crate::world::World;
 
 impl Parts<'_> {
     /// Does any body have velocities of its own?
@@ -31,9 +32,7 @@ impl Parts<'_> {
         let world = &mut *self.world;
         let strained = which == Velocities::Momenta && self.scheme == SchemeKind::Usf;
         if strained && world.ledger.open {
-            // The particles have strained with velocities that they do not have.
-            let power = ledger::power_of_impulses(&world.ledger, &world.grid);
-            world.ledger.sums.numerical += self.clock.dt * power;
+            ledger::book_impulses(&mut world.ledger, &world.grid, self.clock.dt);
         }
     }
 
@@ -42,15 +41,18 @@ impl Parts<'_> {
         if !self.has_contact() {
             return;
         }
-        let before = self.contact_power();
-        contact::meet(self.world, Velocities::Mapped, self.clock.dt);
-        let change = self.contact_power() - before;
+        let dt = self.clock.dt;
+        self.note_contact_power(-dt);
+        contact::meet(self.world, Velocities::Mapped, dt);
         // The particles will strain with velocities that they do not have.
-        self.world.ledger.sums.numerical += self.clock.dt * change;
+        self.note_contact_power(dt);
     }
 
-    /// Power of the internal forces where bodies meet; 0 unless the ledger is open.
-    fn contact_power(&self) -> f64 {
-        if self.world.ledger.open { ledger::contact_power(&self.world.grid) } else { 0.0 }
+    /// Notes dt times the power of the internal forces where bodies meet, if the ledger is open.
+    fn note_contact_power(&mut self, dt: f64) {
+        let World { ledger, grid, .. } = &mut *self.world;
+        if ledger.open {
+            ledger::add_contact_power(&mut ledger.books.numerical, grid, dt);
+        }
     }
 }

@@ -50,8 +50,9 @@ impl Parts<'_> {
         }
         let world = &mut *self.world;
         let kinetic = kinetic_energy(world, GroupId::ALL);
-        let work = ledger::book_forces(&mut world.ledger, &world.grid, self.clock.dt, updated);
+        ledger::book_forces(&mut world.ledger, &world.grid, self.clock.dt, updated);
         ledger::book_contact(&mut world.ledger, &world.grid, &world.contacts.pairs, updated);
+        let work = world.ledger.settle(&world.ranks);
         let sums = &mut world.ledger.sums;
         sums.numerical += work - (kinetic - sums.kinetic);
         sums.kinetic = kinetic;
@@ -75,7 +76,7 @@ impl Parts<'_> {
     /// Books what the stress has done.
     pub fn book_stress(&mut self) {
         if self.world.ledger.open {
-            self.world.ledger.collect();
+            self.world.ledger.collect(&self.world.ranks);
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{Simulation, Until};
 use crate::fault::Fault;
+use crate::math::exact_sum::ExactSum;
 use crate::memory;
 use crate::method::METHODS;
 use crate::model::column::Column;
@@ -33,7 +34,8 @@ impl Simulation {
     /// A formula of a fix that is not finite.
     pub fn stable_limit(&mut self) -> Result<Option<TimeStep>, Fault> {
         self.ready()?;
-        Ok((!self.world.particles.is_empty()).then(|| self.stable_now()))
+        let [count] = self.world.ranks.count([self.world.particles.len()]);
+        Ok((count > 0).then(|| self.stable_now()))
     }
 
     /// The steps a run will take, as far as that is known.
@@ -51,7 +53,11 @@ impl Simulation {
     /// Numbers that show wrong units and wrong sizes at once.
     pub fn summary(&self) -> Vec<(&'static str, String)> {
         let world = &self.world;
-        let mass: f64 = world.particles.position.iter().map(|position| position[3]).sum();
+        let particles = &world.particles;
+        let masses = particles.counted().map(|p| particles.position[p][3]);
+        let mass = world.ranks.total(&ExactSum::of(masses));
+        let [count, nodes] = world.ranks.count([particles.counted().len(), self.counted_nodes()]);
+        let [_, mean, _] = self.memory();
         let waves = world.solids.iter().map(|solid| solid.law.reference_wave_speed());
         let stable = self.stable_now();
         let round = world.method.axisymmetric;
@@ -64,14 +70,14 @@ impl Simulation {
             None => format!("{:.4e} ({} limit)", stable.dt, stable.limit.name()),
         };
         vec![
-            ("particles", format!("{} in {} solids", world.particles.len(), world.solids.len())),
+            ("particles", format!("{count} in {} solids", world.solids.len())),
             ("method", self.method_in_words()),
             ("grid", grids.join(", ")),
-            ("nodes in memory", world.grid.len().to_string()),
+            ("active nodes", nodes.to_string()),
             ("mass", format!("{mass:.6e}{}", if round { " per radian" } else { "" })),
             ("wave speed", format!("{:.6e}", waves.fold(0.0, f64::max))),
             ("first time step", dt),
-            ("memory", memory::text(self.bytes() as f64)),
+            ("memory", memory::text(mean * world.ranks.size() as f64)),
             ("threads", rayon::current_num_threads().to_string()),
         ]
     }
@@ -116,7 +122,21 @@ impl Simulation {
         words.join(", ")
     }
 
-    /// Bytes of particles and nodes.
+    /// Active nodes that this process counts.
+    fn counted_nodes(&self) -> usize {
+        let grid = &self.world.grid;
+        grid.runs.iter().cloned().flatten().filter(|node| grid.counts(*node)).count()
+    }
+
+    /// Bytes of the process with least, of the mean, and of that with most.
+    pub fn memory(&self) -> [f64; 3] {
+        let here = self.bytes() as f64;
+        let ranks = &self.world.ranks;
+        let [least, most] = ranks.largest([-here, here]);
+        [-least, ranks.total(&ExactSum::of([here])) / ranks.size() as f64, most]
+    }
+
+    /// Bytes of particles and nodes of this process.
     pub fn bytes(&self) -> usize {
         let world = &self.world;
         let each = std::mem::size_of::<Node>() + 32;
@@ -144,13 +164,16 @@ impl Simulation {
         for (index, group) in self.world.groups.0.iter().enumerate().skip(1) {
             let count = match &group.members {
                 Members::Nodes { .. } => {
-                    self.world.grid.of_group(crate::model::group::GroupId(index)).len()
+                    let grid = &self.world.grid;
+                    let members = grid.of_group(crate::model::group::GroupId(index)).iter();
+                    members.filter(|node| grid.counts(**node as usize)).count()
                 }
                 members => {
                     let particles = &self.world.particles;
-                    (0..particles.len()).filter(|p| particles.belongs(*p, members)).count()
+                    particles.counted().filter(|p| particles.belongs(*p, members)).count()
                 }
             };
+            let [count] = self.world.ranks.count([count]);
             let _ = writeln!(text, "  group {:<20}{count} members now", group.name);
         }
         Ok(text)

@@ -1,18 +1,18 @@
 //! The loop over time steps.
 
-use super::{Simulation, Until, fill};
+use super::{Simulation, Until, fill, whole};
 use crate::compute::energy::{kinetic_energy, strain_energy};
 use crate::fault::Fault;
 use crate::interrupt;
 use crate::kernel::sort::MOST_CORNER_CELLS;
-use crate::kernel::tiles::Report;
-use crate::kernel::{conduction, points, rigid};
+use crate::kernel::{conduction, rigid};
 use crate::model::column::{Column, ColumnSet};
 use crate::model::grid::Keeps;
 use crate::model::group::GroupId;
 use crate::output::Snapshot;
+use crate::parallel::Ranks;
 use crate::plan::Plan;
-use crate::scheme::{Hooks, Parts, Scatter, SchemeKind};
+use crate::scheme::{Hooks, Loops, Parts, Scatter};
 use crate::script::formula::{Instant, Slot};
 use crate::step::{Stage, Step};
 use crate::time_step::{self, Limit, TimeStep};
@@ -34,6 +34,14 @@ struct Span {
     steps: u64,
 }
 
+/// The first domain that was cut, of those that each process knows of.
+fn first_cut(ranks: &Ranks, here: Option<(u32, f64)>) -> Option<(u32, f64)> {
+    let numbers: Vec<f64> = here.iter().flat_map(|(id, time)| [f64::from(*id), *time]).collect();
+    let all = ranks.share(&numbers);
+    let each = all.as_chunks::<2>().0.iter().map(|[id, time]| (*id as u32, *time));
+    each.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
+}
+
 impl Simulation {
     /// Runs.
     ///
@@ -42,9 +50,10 @@ impl Simulation {
     pub fn run(&mut self, until: Until) -> Result<(), Fault> {
         let hooks = self.prepare()?;
         let steps = self.expected_steps(&until);
-        let megabytes = 1e-6 * self.bytes() as f64;
+        let megabytes = self.memory().map(|bytes| 1e-6 * bytes);
         let summary = if self.outputs.is_silent() { Vec::new() } else { self.summary() };
-        self.outputs.begin_run(self.clock.step, &summary, steps, megabytes)?;
+        let begun = self.outputs.begin_run(self.clock.step, &summary, steps, megabytes);
+        self.world.ranks.agree(begun.err(), &mut [])?;
         let mut span = Span { start: self.clock.time, end: f64::INFINITY, steps: 0 };
         if let Until::Time(length) = until {
             span.end = span.start + length;
@@ -57,31 +66,38 @@ impl Simulation {
             previous = self.next.map(|next| next.dt);
             span.steps += 1;
             self.advance_clock(&span);
-            self.next = Some(self.stable_step());
-            let last = interrupt::requested() || !self.goes_on(&until, &span)?;
+            self.end_step()?;
+            let last = !self.goes_on(&until, &span)?;
             self.output(last)?;
-            if interrupt::requested() {
-                break;
-            }
         }
         self.note_strain();
-        if self.loops.clipped > 0 {
+        self.end_run(&span)
+    }
+
+    /// Warnings and figures at the end of a run.
+    fn end_run(&mut self, span: &Span) -> Result<(), Fault> {
+        let Loops { clipped, removed, bounced, cut, .. } = &self.loops;
+        let counts = [*clipped, *removed, *bounced].map(|count| count as usize);
+        let ranks = &self.world.ranks;
+        let [clipped, removed, bounced, particles] =
+            ranks.count([counts[0], counts[1], counts[2], self.world.particles.len()]);
+        let cut = first_cut(ranks, *cut);
+        if clipped > 0 {
             self.outputs.warn(&format!(
-                "in {} particle-steps the density was beyond 98 % of the pole of the shock curve; \
-                 the pressure went on along its tangent",
-                self.loops.clipped
+                "in {clipped} particle-steps the density was beyond 98 % of the pole of the shock curve; \
+                 the pressure went on along its tangent"
             ))?;
         }
-        if let Some((particle, time)) = self.loops.cut {
+        if let Some((particle, time)) = cut {
             self.outputs.warn(&format!(
                 "the domain of particle {particle} reached beyond the grid at time {time:.6e}, or \
                  farther than {MOST_CORNER_CELLS} cells: such corners are moved to the nearest place"
             ))?;
         }
         for (count, what) in [
-            (self.loops.removed, "particles left the box and were removed"),
+            (removed, "particles left the box and were removed"),
             (
-                self.loops.bounced,
+                bounced,
                 "times a particle was reflected by the box: right for particles that fly alone; hold \
                  bodies with `velocity_nodes`",
             ),
@@ -90,7 +106,7 @@ impl Simulation {
                 self.outputs.warn(&format!("{count} {what}"))?;
             }
         }
-        self.outputs.end_run(span.steps, self.world.particles.len(), &self.loops.timing)
+        self.outputs.end_run(span.steps, particles, self.world.ranks.size(), &self.loops.timing)
     }
 
     /// What the scene needs, as far as it is known now.
@@ -128,6 +144,8 @@ impl Simulation {
     /// Start of a run (language.md 7.2): columns, fixes that act once, nodes, first dt.
     fn prepare(&mut self) -> Result<Hooks, Fault> {
         self.loops.timing.restart();
+        self.loops.fault = None;
+        self.interrupted = self.world.ranks.any(interrupt::requested());
         (self.loops.clipped, self.loops.removed, self.loops.bounced) = (0, 0, 0);
         self.loops.cut = None;
         self.ready()?;
@@ -228,11 +246,14 @@ impl Simulation {
             contact: !contacts.pairs.is_empty(),
         };
         let masses = particles.position.iter().map(|position| position[3]);
-        grid.mass_cutoff = EMPTY * masses.filter(|m| *m > 0.0).fold(f64::INFINITY, f64::min);
+        let lightest = masses.filter(|m| *m > 0.0).fold(f64::INFINITY, f64::min);
+        let [lightest] = self.world.ranks.largest([-lightest]);
+        self.world.grid.mass_cutoff = -EMPTY * lightest;
     }
 
     /// Fixes that act once do so, in the order of their definition.
     fn start_fixes(&mut self) -> Result<(), Fault> {
+        let mut result = Ok(());
         for index in 0..self.fixes.len() {
             if self.started.contains(&self.fixes[index].0) {
                 continue;
@@ -241,10 +262,10 @@ impl Simulation {
                 self.fixes[index].1.formulas().iter().flat_map(|f| f.slots().to_vec()).collect();
             self.refresh(&slots);
             let step = &mut Step { clock: self.clock, world: &mut self.world, board: &self.board };
-            self.fixes[index].1.start(step)?;
+            result = result.and(self.fixes[index].1.start(step));
             self.started.push(self.fixes[index].0.clone());
         }
-        Ok(())
+        self.world.ranks.agree(result.err(), &mut [])
     }
 
     fn hooks(&self) -> Hooks {
@@ -287,7 +308,7 @@ impl Simulation {
 
     /// Does the run go on with another step?
     fn goes_on(&mut self, until: &Until, span: &Span) -> Result<bool, Fault> {
-        if interrupt::requested() {
+        if self.interrupted {
             return Ok(false);
         }
         let (condition, wanted) = match until {
@@ -318,43 +339,6 @@ impl Simulation {
             Some(dt) => Some(TimeStep { dt, limit: Limit::Fixed }),
             None => Some(self.stable_now()),
         }
-    }
-
-    /// The stable step of the present state: for the first step of a run, `check` and warnings.
-    pub fn stable_now(&self) -> TimeStep {
-        self.stable(&points::at_rest(&self.world))
-    }
-
-    fn stable_step(&self) -> TimeStep {
-        match self.fixed_dt {
-            Some(dt) => TimeStep { dt, limit: Limit::Fixed },
-            None => self.stable(&self.loops.limits),
-        }
-    }
-
-    /// The smallest of the stable steps of the lattices.
-    fn stable(&self, reports: &[Report]) -> TimeStep {
-        let dimension = self.world.domain.dimension;
-        let sizes = self.world.solids.iter().map(|solid| 0.5 / solid.particles_per_cell);
-        let courant = time_step::courant(
-            &self.transfer,
-            self.scheme.kind() == SchemeKind::Usl,
-            self.world.method.shape,
-            sizes.fold(0.5, f64::min),
-            dimension,
-        );
-        let cell = |lattice: usize| match self.world.method.total {
-            true => self.world.solids[lattice].cells.cell,
-            false => self.world.domain.cell,
-        };
-        let steps = reports.iter().enumerate().map(|(lattice, report)| {
-            time_step::stable(report, cell(lattice), dimension, self.dt_factor * courant)
-        });
-        let springs = self.fixes.iter().map(|(_, fix)| fix.largest_step());
-        let dt = springs.fold(f64::INFINITY, f64::min);
-        let steps = steps.chain(std::iter::once(TimeStep { dt, limit: Limit::Contact }));
-        let none = TimeStep { dt: f64::INFINITY, limit: Limit::Acoustic };
-        steps.fold(none, |least, step| if step.dt < least.dt { step } else { least })
     }
 
     /// Chooses the size of the coming step.
@@ -406,11 +390,17 @@ impl Simulation {
         self.clock.time = if landed { span.end } else { time };
     }
 
-    /// Log, dumps, plots that are due.
+    /// Log, dumps, plots that are due; the first process writes them.
     fn output(&mut self, last: bool) -> Result<(), Fault> {
         if !self.outputs.is_due(self.clock.step, last) {
             return Ok(());
         }
+        let result = self.write(last);
+        self.loops.timing.end(Phase::Output);
+        self.world.ranks.agree(result.err(), &mut [])
+    }
+
+    fn write(&mut self, last: bool) -> Result<(), Fault> {
         if !self.loops.scattered && self.outputs.dump_is_due(self.clock.step) {
             // A fix stands before the coming P2G: the nodes are filled for the dump alone.
             let hooks = Hooks::default();
@@ -431,10 +421,12 @@ impl Simulation {
         let next = self.next.unwrap_or(TimeStep { dt: self.clock.dt, limit: Limit::Fixed });
         let dt = if self.clock.step == 0 { next.dt } else { self.clock.dt };
         let now = Instant { time: self.clock.time, dt, step: self.clock.step };
-        let snapshot =
-            Snapshot { step: self.clock.step, time: self.clock.time, world: &self.world };
-        self.outputs.write(&snapshot, &self.board, &now, next.limit.name(), last)?;
-        self.loops.timing.end(Phase::Output);
-        Ok(())
+        let whole = match self.outputs.dump_is_due(self.clock.step) {
+            true => whole::gather(&mut self.world, self.outputs.nodes_are_due(self.clock.step)),
+            false => None,
+        };
+        let world = whole.as_ref().unwrap_or(&self.world);
+        let snapshot = Snapshot { step: self.clock.step, time: self.clock.time, world };
+        self.outputs.write(&snapshot, &self.board, &now, next.limit.name(), last)
     }
 }

@@ -19,6 +19,7 @@ use crate::model::ledger::Ledger;
 use crate::model::particles::Particles;
 use crate::model::rigid::Rigid;
 use crate::output::Outputs;
+use crate::parallel::Ranks;
 use crate::plan::Plan;
 use crate::region::Region;
 use crate::scheme::musl::Musl;
@@ -81,6 +82,7 @@ impl Simulation {
             thermal_blend: 0.99,
             rigid: Rigid::default(),
             contacts: Contacts::default(),
+            ranks: Ranks::default(),
         };
         Self {
             world,
@@ -101,13 +103,21 @@ impl Simulation {
             next: None,
             floor: Floor::default(),
             bits: 0,
+            interrupted: false,
         }
+    }
+
+    /// Deals particles out to several processes from the first run on.
+    pub fn set_ranks(&mut self, ranks: Ranks) {
+        self.world.particles.counted_elsewhere = !ranks.is_first();
+        self.world.ranks = ranks;
     }
 
     /// Gives a simulation without bodies its box.
     pub fn set_domain(&mut self, domain: Domain) {
         self.world.domain = domain;
         self.world.particles = no_particles(domain.dimension);
+        self.world.particles.counted_elsewhere = !self.world.ranks.is_first();
     }
 
     /// Fills a region with particles on cells of the size of the grid's; gives their number.
@@ -202,12 +212,13 @@ impl Simulation {
 
     /// Gives a solid the particles that `each` lists by place and volume; gives their number.
     fn push_particles(&mut self, solid: usize, each: impl FnOnce(&mut Push<'_>)) -> usize {
-        let World { particles, solids, method, domain, .. } = &mut self.world;
+        let World { particles, solids, method, domain, ranks, .. } = &mut self.world;
         let density = solids[solid].law.density();
         let values = solids[solid].law.initial_values();
         let cell = solids[solid].cells.cell;
         let before = particles.len();
-        let mut id = particles.id.iter().copied().max().unwrap_or(0);
+        let [last] = ranks.largest([f64::from(particles.id.iter().copied().max().unwrap_or(0))]);
+        let mut id = last as u32;
         each(&mut |place, area, corners| {
             let volume = area * method.girth(place);
             // Nothing lies on the axis or behind it.
@@ -307,13 +318,14 @@ impl Simulation {
     /// Removes the particles of a solid (`None`: of all) whose reference place is inside the region;
     /// tells whether every solid has a particle left.
     pub fn delete_particles(&mut self, solid: Option<usize>, region: &dyn Region) -> bool {
-        let particles = &mut self.world.particles;
+        let World { particles, ranks, solids, .. } = &mut self.world;
         let chosen = |p: usize| solid.is_none_or(|solid| solid == particles.solid[p] as usize);
         let keep: Vec<bool> = (0..particles.len())
             .map(|p| !(chosen(p) && region.contains(particles.reference_place(p))))
             .collect();
         particles.retain(&keep);
-        (0..self.world.solids.len() as u16).all(|solid| particles.solid.contains(&solid))
+        let here = |solid: u16| particles.solid.contains(&solid);
+        (0..solids.len() as u16).all(|solid| ranks.any(here(solid)))
     }
 
     /// Gives the solid added last its temperature \[K\].
@@ -361,7 +373,8 @@ impl Simulation {
                 bit
             }
         };
-        let particles = &mut self.world.particles;
+        let World { particles, ranks, .. } = &mut self.world;
+        particles.require_mask(bit);
         for p in 0..particles.len() {
             let listed = solids.is_none_or(|list| list.contains(&(particles.solid[p] as usize)));
             let reference = particles.reference_place(p);
@@ -370,7 +383,9 @@ impl Simulation {
             }
         }
         let members = Members::Particles { bit };
-        (0..particles.len()).filter(|p| particles.belongs(*p, &members)).count()
+        let [count] =
+            ranks.count([particles.counted().filter(|p| particles.belongs(*p, &members)).count()]);
+        count
     }
 
     /// Adds the nodes inside the region (in total Lagrangian methods those of the listed solids;

@@ -157,7 +157,7 @@ fn the_cell_list_finds_the_pairs_of_all_with_all() {
             }
         }
         let mut pairs = Pairs::default();
-        let found = pairs.sum(world, [0, 1], &Count).force;
+        let found = world.ranks.vector(&pairs.sum(world, [0, 1], &Count).force);
         println!("{dimension}-D: {} pairs", all[0]);
         assert!(all[0] > 10.0);
         assert_eq!(found[0], all[0]);

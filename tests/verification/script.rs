@@ -164,7 +164,7 @@ impl Script {
         let directory = tempfile::tempdir().unwrap();
         let log = directory.path().join("log.mpm");
         let title = self.name.clone();
-        let options = OutputOptions { quiet: true, log: Some(log.clone()), title };
+        let options = OutputOptions { quiet: true, log: Some(log.clone()), title, mute: false };
         let mut session = Session::new(Outputs::new(options), Mode::Run);
         let end = perform(&script, &mut session).map_err(|stop| match stop {
             Stop::Fault(fault) => fault.to_string(),
