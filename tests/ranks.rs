@@ -1,0 +1,245 @@
+//! Several processes (feature `mpi`, under `mpirun`): every input gives the bytes of one process, and
+//! whatever fails somewhere stops all at once with one message.
+#![cfg(feature = "mpi")]
+
+use assert_cmd::cargo::cargo_bin;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// Steps of every run in the short test.
+const STEPS: usize = 30;
+
+/// Scenes that are played in another size.
+const SIZES: [(&str, &[&str]); 8] = [
+    ("block.mpm", &["cells", "10"]),
+    ("copper-block.mpm", &["cells", "6"]),
+    ("dam-break/dam-break.mpm", &["cells", "40", "ppc", "2"]),
+    ("disk-impact/disk-impact.mpm", &["h", "2.4"]),
+    ("plate-penetration/plate-penetration.mpm", &["width", "30"]),
+    ("square.mpm", &["cells", "30"]),
+    ("taylor-bar/taylor-bar.mpm", &["h", "1"]),
+    ("upsetting/upsetting-3d.mpm", &["quarter", "1", "h", "2"]),
+];
+
+/// The program in so many processes of one thread; 0: without `mpirun`.
+fn program(processes: usize) -> Command {
+    let binary = cargo_bin!("karamelo-rs");
+    let mut command = match processes {
+        0 => Command::new(binary),
+        _ => {
+            let mut command = Command::new("mpirun");
+            // Containers run as root.
+            command.env("OMPI_ALLOW_RUN_AS_ROOT", "1");
+            command.env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
+            let count = processes.to_string();
+            command.args(["--oversubscribe", "--bind-to", "none", "-np", &count]).arg(binary);
+            command
+        }
+    };
+    command.args(["--threads", "1"]);
+    command
+}
+
+/// Every file below a folder; of the log its rows.
+fn read(folder: &Path, before: &str, files: &mut BTreeMap<String, Vec<u8>>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = format!("{before}{}", path.file_name().unwrap().to_str().unwrap());
+        if path.is_dir() {
+            read(&path, &format!("{name}/"), files);
+            continue;
+        }
+        let mut bytes = std::fs::read(&path).unwrap();
+        if name == "log.mpm" {
+            let text = String::from_utf8(bytes).unwrap();
+            let row = |line: &&str| line.trim_start().starts_with(|c: char| c.is_ascii_digit());
+            bytes = text.lines().filter(row).collect::<Vec<_>>().join("\n").into_bytes();
+        }
+        files.insert(name, bytes);
+    }
+}
+
+/// What a script writes in so many processes.
+fn play(script: &Path, variables: &[&str], processes: usize) -> BTreeMap<String, Vec<u8>> {
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = program(processes);
+    command.arg(script).arg("--quiet").current_dir(folder.path());
+    for pair in variables.chunks(2) {
+        command.arg("-var").args(pair);
+    }
+    let output = command.output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{} in {processes}: {said}", script.display());
+    let mut files = BTreeMap::new();
+    read(folder.path(), "", &mut files);
+    files
+}
+
+fn copy(from: &Path, to: &Path, scripts: &mut Vec<PathBuf>) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let path = entry.unwrap().path();
+        let target = to.join(path.file_name().unwrap());
+        if path.is_dir() {
+            copy(&path, &target, scripts);
+        } else {
+            std::fs::copy(&path, &target).unwrap();
+            if target.extension().is_some_and(|suffix| suffix == "mpm") {
+                scripts.push(target);
+            }
+        }
+    }
+}
+
+/// A script with short runs, more output and dumps of everything.
+fn shortened(text: &str) -> String {
+    let half = STEPS / 2;
+    let dumps = format!(
+        "dump(all_particles, all, particle, {half}, zp.*.dump, x, y, z, vx, vy, vz, s11, s22, s33, \
+         s12, volume, J, ep, T, damage)\n\
+         dump(all_nodes, all, grid, {half}, zg.*.dump, x, y, z, vx, vy, vz, mass, bx, by, T)\n"
+    );
+    let mut dumps = Some(dumps);
+    let mut lines = String::new();
+    for line in text.lines() {
+        let run = ["run(", "run_time(", "run_while(", "run_until("];
+        if run.iter().any(|run| line.starts_with(run)) {
+            lines.extend(dumps.take());
+            lines.push_str(&format!("run({STEPS})\n"));
+        } else if line.starts_with("set_output(") {
+            lines.push_str("set_output(5)\n");
+        } else {
+            lines.push_str(&format!("{line}\n"));
+        }
+    }
+    assert!(dumps.is_none(), "no run");
+    lines
+}
+
+#[test]
+fn every_input_gives_the_same_bytes_in_one_to_four_processes() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scripts = Vec::new();
+    let inputs = Path::new(env!("CARGO_MANIFEST_DIR")).join("inputs");
+    copy(&inputs, folder.path(), &mut scripts);
+    scripts.sort();
+    assert!(scripts.len() >= 25);
+    let mut different = Vec::new();
+    for script in &scripts {
+        let text = std::fs::read_to_string(script).unwrap();
+        std::fs::write(script, shortened(&text)).unwrap();
+        let name = script.strip_prefix(folder.path()).unwrap().to_str().unwrap();
+        let size = SIZES.iter().find(|(known, _)| *known == name);
+        let variables = size.map_or(&[][..], |(_, variables)| variables);
+        let one = play(script, variables, 0);
+        assert!(one.len() > 5 && one["log.mpm"].len() > 50, "{name}: {:?}", one.keys());
+        for processes in 2..5 {
+            let other = play(script, variables, processes);
+            let unlike = one.keys().find(|file| one.get(*file) != other.get(*file));
+            different.extend(unlike.map(|file| format!("{name} in {processes}: {file}")));
+        }
+    }
+    assert!(different.is_empty(), "{different:#?}");
+}
+
+/// A bar that flies across the box, with faces exactly on borders of cells and tiles.
+const FLIGHT: &str = "
+method(ulmpm, FLIP, linear, 1)
+dimension(2, 0, 64, 0, 4, 1)
+region(bar, block, 2, 10, 0, 4)
+material(m, linear, 1, 1000, 0.3)
+solid(bar, region, bar, 2, m, 1)
+fix(fly, initial_velocity_particles, all, 10, 0)
+compute(Ek, kinetic_energy, all)
+compute(far, max_position, all)
+log_modify(custom, step, time, Ek, far_x)
+set_output(20)
+dump(p, all, particle, 100, p.*.dump, x, y, vx, vy, s11)
+run_time(5)
+";
+
+#[test]
+fn a_body_crosses_all_processes_and_some_have_none_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = folder.path().join("flight.mpm");
+    std::fs::write(&script, FLIGHT).unwrap();
+    let one = play(&script, &[], 0);
+    let log = String::from_utf8(one["log.mpm"].clone()).unwrap();
+    let last: Vec<f64> =
+        log.lines().last().unwrap().split_whitespace().map(|n| n.parse().unwrap()).collect();
+    // 32 cells, m v^2/2 = 1600, fifty cells on.
+    assert!((last[2] / 1600.0 - 1.0).abs() < 1e-12 && (last[3] - 59.75).abs() < 1e-9, "{last:?}");
+    for processes in [2, 3, 5, 8] {
+        assert!(play(&script, &[], processes) == one, "{processes} processes");
+    }
+}
+
+/// A thing that goes wrong for the particles of one process only, half way through the run.
+fn fails(name: &str, script: &str) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("in.mpm"), script).unwrap();
+    std::fs::create_dir(folder.path().join("taken.100.dump")).unwrap();
+    let mut command = program(3);
+    command.args(["in.mpm", "--quiet"]).current_dir(folder.path());
+    command.stdout(Stdio::null()).stderr(Stdio::piped());
+    let output = finished(command.spawn().unwrap(), Duration::from_secs(30));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success(), "{name}: {said}");
+    assert_eq!(said.matches("error: ").count(), 1, "{name}: {said}");
+    said
+}
+
+/// Waits for the end; a program that hangs is ended and a failure.
+fn finished(mut child: Child, limit: Duration) -> Output {
+    let start = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if start.elapsed() > limit {
+            child.kill().unwrap();
+            panic!("still running after {limit:?}");
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    child.wait_with_output().unwrap()
+}
+
+#[test]
+fn what_fails_in_one_process_stops_all_with_one_message() {
+    let run = "run_time(5)\n";
+    let with = |more: &str| FLIGHT.replace(run, &format!("{more}{run}"));
+    let said = fails("NaN", &with("fix(nan, body_force, all, sqrt(40 - x), 0)\n"));
+    assert!(said.contains("sqrt(40 - x)") && said.contains("(process "), "{said}");
+    let said = fails("escape", &with("fix(push, body_force, all, 0, 200*(x > 30))\n"));
+    assert!(said.contains("left the box") && said.contains("(process "), "{said}");
+    // A folder stands where the first process wants to write its second dump.
+    let said = fails("folder", &FLIGHT.replace("p.*.dump", "taken.*.dump"));
+    assert!(said.contains("taken.100.dump"), "{said}");
+    let said =
+        fails("start", &with("fix(late, initial_velocity_particles, all, sqrt(6 - x), 0)\n"));
+    assert!(said.contains("sqrt(6 - x)"), "{said}");
+}
+
+#[test]
+fn a_process_that_is_killed_takes_the_others_with_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = FLIGHT.replace("run_time(5)", "set_dt(1e-9)\nrun(100000000)");
+    std::fs::write(folder.path().join("killed.mpm"), script).unwrap();
+    let mut command = program(3);
+    command.args(["killed.mpm", "--quiet"]).current_dir(folder.path());
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    let child = command.spawn().unwrap();
+    let own = child.id();
+    // A process of ours: a child of `mpirun` that has begun to write its log or steps.
+    let start = Instant::now();
+    while !folder.path().join("log.mpm").exists() {
+        assert!(start.elapsed() < Duration::from_secs(30), "never began");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let children = format!("/proc/{own}/task/{own}/children");
+    let list = std::fs::read_to_string(children).unwrap();
+    let victim = list.split_whitespace().last().unwrap();
+    assert!(Command::new("kill").args(["-9", victim]).status().unwrap().success());
+    let output = finished(child, Duration::from_secs(15));
+    assert!(!output.status.success());
+}
