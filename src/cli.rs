@@ -151,6 +151,7 @@ fn script(options: &Options, mode: Mode, ranks: &Ranks) -> u8 {
     session.simulation.set_ranks(ranks.clone());
     session.source = script.source.clone();
     session.echo = options.echo;
+    session.processes.clone_from(&options.processes);
     let result = play::perform(&script, &mut session);
     session.show_warnings();
     match result {

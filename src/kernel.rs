@@ -36,6 +36,7 @@ pub mod sort;
 pub mod stencil;
 pub mod support;
 pub mod surfaces;
+pub mod survey;
 pub mod tensor;
 pub mod tiles;
 pub mod walls;

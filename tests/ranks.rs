@@ -220,6 +220,36 @@ fn what_fails_in_one_process_stops_all_with_one_message() {
     assert!(said.contains("sqrt(6 - x)"), "{said}");
 }
 
+/// What a text says between two words.
+fn between<'a>(text: &'a str, before: &str, after: &str) -> &'a str {
+    let rest = text.split(before).nth(1).unwrap_or_else(|| panic!("no `{before}` in {text}"));
+    rest.split(after).next().unwrap()
+}
+
+#[test]
+fn check_counts_the_messages_that_are_sent() {
+    let folder = tempfile::tempdir().unwrap();
+    // Nothing is sorted in so few steps: what was surveyed at the start is what is sent.
+    let script = FLIGHT.replace("run_time(5)", "set_dt(1e-6)\nrun(10)");
+    std::fs::write(folder.path().join("in.mpm"), script).unwrap();
+    let check = Command::new(cargo_bin!("karamelo-rs"))
+        .args(["check", "in.mpm", "--processes", "2,3"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let check = String::from_utf8(check.stdout).unwrap();
+    for processes in [2, 3] {
+        let mut command = program(processes);
+        command.args(["in.mpm", "--quiet"]).current_dir(folder.path());
+        assert!(command.status().unwrap().success());
+        let log = std::fs::read_to_string(folder.path().join("log.mpm")).unwrap();
+        let sent = between(&log, "a process sent ", " and ");
+        let line = check.split(&format!("  {processes} processes: ")).nth(1).unwrap();
+        assert_eq!(between(line, "a process sends ", " per sweep"), sent);
+        assert!(!sent.starts_with("0.00"), "{sent}");
+    }
+}
+
 #[test]
 fn a_process_that_is_killed_takes_the_others_with_it() {
     let folder = tempfile::tempdir().unwrap();

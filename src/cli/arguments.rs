@@ -34,6 +34,8 @@ pub struct Options {
     pub threads: Option<usize>,
     /// Nothing on the screen but errors.
     pub quiet: bool,
+    /// Numbers of processes that a check is asked about.
+    pub processes: Vec<usize>,
 }
 
 #[derive(Debug, Parser)]
@@ -79,7 +81,13 @@ struct Run {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Checks a script and says what would run
-    Check(Run),
+    Check {
+        #[command(flatten)]
+        run: Run,
+        /// Also tells what so many processes would get and send each other
+        #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+        processes: Vec<u32>,
+    },
     /// Describes the styles of the script language
     Styles {
         /// command, region, material, fix, compute, dump, ...
@@ -103,7 +111,10 @@ pub fn parse(arguments: Vec<OsString>) -> Result<Task, clap::Error> {
     let line = CommandLine::try_parse_from(arguments.into_iter().map(two_dashes))?;
     match line.command {
         None => Ok(Task::Run(options(line.run)?)),
-        Some(Command::Check(run)) => Ok(Task::Check(options(run)?)),
+        Some(Command::Check { run, processes }) => {
+            let processes = processes.into_iter().map(|count| count as usize).collect();
+            Ok(Task::Check(Options { processes, ..options(run)? }))
+        }
         Some(Command::Styles { family, name }) => Ok(Task::Styles { family, name }),
         Some(Command::Explain { code }) => Ok(Task::Explain(code)),
         Some(Command::Completions { shell }) => {
@@ -141,6 +152,7 @@ fn options(run: Run) -> Result<Options, clap::Error> {
         echo: run.echo,
         threads: run.threads.map(usize::from),
         quiet: run.quiet,
+        processes: Vec::new(),
     })
 }
 

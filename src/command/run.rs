@@ -129,7 +129,7 @@ fn perform(until: Until) -> Action {
         }
         session.show_warnings();
         if session.mode == Mode::Check {
-            let text = session.simulation.describe(&until)?;
+            let text = session.simulation.describe(&until, &session.processes)?;
             if session.speaks() {
                 // A reader that has gone away (`| head`) is no error of ours.
                 let _ = writeln!(std::io::stdout(), "{text}");

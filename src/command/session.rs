@@ -50,6 +50,8 @@ pub struct Session {
     pub source: Source,
     /// Show assignments.
     pub echo: bool,
+    /// Numbers of processes that `check` is asked about.
+    pub processes: Vec<usize>,
     /// Where `set_dt` stands.
     pub fixed_dt_span: Span,
 }
@@ -65,6 +67,7 @@ impl Session {
             warnings: Vec::new(),
             source: Source::default(),
             echo: false,
+            processes: Vec::new(),
             fixed_dt_span: Span::default(),
         }
     }

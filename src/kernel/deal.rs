@@ -139,7 +139,7 @@ fn take_census(
     let lower = [0, 1].map(|axis| -limits[axis] as usize);
     let size = [0, 1].map(|axis| limits[2 + axis] as usize + 1 - lower[axis]);
     let mut census = Census::of_none(lower, size);
-    tiles().for_each(|tile| census.add(tile));
+    tiles().for_each(|tile| census.add(tile, 1));
     exchange.sum(&mut census.counts);
     census
 }

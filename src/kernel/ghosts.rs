@@ -13,6 +13,7 @@ use super::tiles::{COLOURS, Order};
 use crate::model::grid::{Grid, Node};
 use crate::model::lattice::Lattice;
 use crate::parallel::{Exchange, Parcel, Ranks};
+use std::ops::Range;
 
 /// Numbers that stand on a node.
 pub trait Record {
@@ -121,6 +122,21 @@ pub struct Ghosts {
     pub tiles: [[Vec<u32>; 2]; COLOURS],
     sent: Vec<Parcel>,
     received: Vec<Parcel>,
+    /// What has been sent.
+    pub traffic: Traffic,
+}
+
+/// What a process has sent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// Sweeps that added to nodes.
+    pub sweeps: usize,
+    /// Messages.
+    pub messages: usize,
+    /// Nodes in them.
+    pub nodes: usize,
+    /// Bytes.
+    pub bytes: usize,
 }
 
 /// A tile of this process.
@@ -131,6 +147,22 @@ pub struct OwnTile {
     pub index: [usize; 2],
     /// Its colour.
     pub colour: usize,
+}
+
+impl OwnTile {
+    /// Columns of nodes that its particles can reach before the next sort, on the first two axes from
+    /// the start of the window.
+    pub fn columns(&self, lattice: &Lattice, order: &Order, reach: &Reach) -> [Range<usize>; 2] {
+        let counts = lattice.cells.cells();
+        [0, 1].map(|axis| {
+            let (lower, size) = (lattice.window.lower[axis], lattice.window.size[axis]);
+            if axis >= lattice.cells.dimension {
+                return 0..size;
+            }
+            let [first, last] = reach.nodes(order.cells_of(self.index, axis), counts[axis]);
+            first.saturating_sub(lower).min(size)..(last + 1).saturating_sub(lower).min(size)
+        })
+    }
 }
 
 /// Where tiles are, what they reach and whose they are.
@@ -158,18 +190,9 @@ impl Columns {
     /// Marks the columns that a tile reaches.
     fn mark(&mut self, lattices: &[Lattice], tile: &OwnTile, order: &Order, reach: &Reach) {
         let lattice = &lattices[tile.lattice];
-        let counts = lattice.cells.cells();
-        let range = |axis: usize| {
-            let window = (lattice.window.lower[axis], lattice.window.size[axis]);
-            if axis >= lattice.cells.dimension {
-                return 0..window.1;
-            }
-            let [first, last] = reach.nodes(order.cells_of(tile.index, axis), counts[axis]);
-            first.saturating_sub(window.0).min(window.1)
-                ..(last + 1).saturating_sub(window.0).min(window.1)
-        };
-        for i in range(0) {
-            for j in range(1) {
+        let [across, along] = tile.columns(lattice, order, reach);
+        for i in across {
+            for j in along.clone() {
                 self.marks[tile.lattice][i * lattice.window.size[1] + j] |= 1 << tile.colour;
             }
         }
@@ -293,7 +316,8 @@ impl Ghosts {
     /// Sends what this process knows after a colour and takes what others know, with work done
     /// meanwhile.
     pub fn pass(&mut self, colour: usize, arrays: &[&dyn NodeArray], meanwhile: &mut dyn FnMut()) {
-        let Self { ranks, peers, sent, received, .. } = self;
+        let Self { ranks, peers, sent, received, traffic, .. } = self;
+        traffic.sweeps += usize::from(colour == 0);
         let Some(exchange) = ranks.exchange() else { return meanwhile() };
         let width: usize = arrays.iter().map(|array| array.width()).sum();
         let outgoing = peers.iter().filter(|peer| !peer.sent[colour].is_empty());
@@ -301,6 +325,9 @@ impl Ghosts {
         sent.resize_with(outgoing.clone().count(), Parcel::default);
         received.resize_with(coming().count(), Parcel::default);
         for (parcel, peer) in sent.iter_mut().zip(outgoing) {
+            traffic.messages += 1;
+            traffic.nodes += peer.sent[colour].len();
+            traffic.bytes += 8 * width * peer.sent[colour].len();
             parcel.rank = peer.rank;
             parcel.numbers.clear();
             for node in &peer.sent[colour] {
@@ -326,14 +353,6 @@ impl Ghosts {
                 }
             }
         }
-    }
-
-    /// Nodes sent and received in a sweep.
-    pub fn traffic(&self) -> [usize; 2] {
-        let count = |lists: &[Vec<u32>; COLOURS]| lists.iter().map(Vec::len).sum::<usize>();
-        self.peers.iter().fold([0, 0], |[out, back], peer| {
-            [out + count(&peer.sent), back + count(&peer.received)]
-        })
     }
 }
 

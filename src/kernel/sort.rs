@@ -7,6 +7,7 @@ use super::deal::{Deal, Scene};
 use super::ghosts::{Layout, OwnTile};
 use super::stencil::Frame;
 use super::surfaces::find_couples;
+use super::survey::{self, Survey};
 use super::tiles::{COLOURS, Order, Report, SMALLEST_PARALLEL, Tiles, side};
 use crate::model::contact::Couple;
 use crate::model::grid::{Grid, Keeps, Node};
@@ -16,6 +17,7 @@ use crate::parallel::Ranks;
 use crate::shape::ShapeKind;
 use crate::world::{Solid, World};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Memory of the sort, kept from one to the next.
 #[derive(Default)]
@@ -231,6 +233,16 @@ impl Sorter {
                 self.bounds[lattice] = joined(self.bounds[lattice], bounds);
             }
         }
+    }
+
+    /// Surveys the scene as it was sorted last on so many processes.
+    pub fn survey(&self, world: &World, tiles: &Tiles, processes: usize) -> Survey {
+        let movement = if world.method.total { 0 } else { 1 };
+        let reach = Reach { shape: world.method.shape, movement, corners: tiles.corners };
+        let counts: Vec<usize> = tiles.ranges.iter().map(Range::len).collect();
+        let (own, orders) = (self.own_tiles(&self.orders), &self.orders[..]);
+        let scene = survey::Scene { tiles: &own, counts: &counts, orders, reach: &reach };
+        survey::survey(world, &scene, processes)
     }
 
     /// The tiles in the order of the sort; none if there is one process.

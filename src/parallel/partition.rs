@@ -24,10 +24,10 @@ impl Census {
         (tile[0] - self.lower[0]) * self.size[1] + tile[1] - self.lower[1]
     }
 
-    /// Counts a particle of a tile.
-    pub fn add(&mut self, tile: [usize; 2]) {
+    /// Counts particles of a tile.
+    pub fn add(&mut self, tile: [usize; 2], count: i64) {
         let place = self.place(tile);
-        self.counts[place] += 1;
+        self.counts[place] += count;
     }
 
     /// Particles in each row of tiles across an axis.

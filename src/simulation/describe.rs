@@ -2,6 +2,7 @@
 
 use super::{Simulation, Until};
 use crate::fault::Fault;
+use crate::kernel::survey::Survey;
 use crate::math::exact_sum::ExactSum;
 use crate::memory;
 use crate::method::METHODS;
@@ -24,6 +25,17 @@ fn cells_in_words(cells: &Domain) -> String {
     let counts: Vec<String> =
         cells.cells()[..cells.dimension].iter().map(|count| count.to_string()).collect();
     format!("{} cells of {}", counts.join(" x "), cells.cell)
+}
+
+/// Loads and messages of a scene on several processes.
+fn on_processes(survey: &Survey) -> String {
+    let Survey { processes, imbalance, uniform_imbalance, messages, nodes } = survey;
+    format!(
+        "  {processes} processes: the fullest has {imbalance:.2} times the mean number of particles (an equal \
+         cut of the box: {uniform_imbalance:.2}); a process sends {:.2} messages with {:.2} nodes per sweep \
+         (at most {} and {})",
+        messages[0], nodes[0], messages[1], nodes[1]
+    )
 }
 
 impl Simulation {
@@ -148,7 +160,7 @@ impl Simulation {
     ///
     /// # Errors
     /// A formula of a fix that is not finite.
-    pub fn describe(&mut self, until: &Until) -> Result<String, Fault> {
+    pub fn describe(&mut self, until: &Until, processes: &[usize]) -> Result<String, Fault> {
         self.ready()?;
         let mut text = String::new();
         for (name, value) in self.summary() {
@@ -160,6 +172,10 @@ impl Simulation {
         let _ = writeln!(text, "{:<20}{}", "bytes per particle", self.world.particles.bytes_each());
         for (effect, reason) in self.effects() {
             let _ = writeln!(text, "  {effect:<28}{reason}");
+        }
+        for processes in processes {
+            let survey = self.loops.sorter.survey(&self.world, &self.loops.tiles, *processes);
+            let _ = writeln!(text, "{}", on_processes(&survey));
         }
         for (index, group) in self.world.groups.0.iter().enumerate().skip(1) {
             let count = match &group.members {

@@ -4,8 +4,10 @@ use super::{Simulation, Until, fill, whole};
 use crate::compute::energy::{kinetic_energy, strain_energy};
 use crate::fault::Fault;
 use crate::interrupt;
+use crate::kernel::ghosts::Traffic;
 use crate::kernel::sort::MOST_CORNER_CELLS;
 use crate::kernel::{conduction, rigid};
+use crate::memory;
 use crate::model::column::{Column, ColumnSet};
 use crate::model::grid::Keeps;
 use crate::model::group::GroupId;
@@ -106,7 +108,26 @@ impl Simulation {
                 self.outputs.warn(&format!("{count} {what}"))?;
             }
         }
-        self.outputs.end_run(span.steps, particles, self.world.ranks.size(), &self.loops.timing)
+        let processes = self.world.ranks.size();
+        self.outputs.end_run(span.steps, particles, processes, &self.loops.timing)?;
+        self.tell_traffic();
+        Ok(())
+    }
+
+    /// What processes have sent each other, if there are several.
+    fn tell_traffic(&mut self) {
+        let Traffic { sweeps, messages, nodes, bytes } = self.loops.tiles.ghosts.traffic;
+        let ranks = &self.world.ranks;
+        if ranks.is_alone() || sweeps == 0 {
+            return;
+        }
+        let sums = ranks.count([messages, nodes, bytes]);
+        let [messages, nodes, bytes] = sums.map(|sum| sum as f64 / (sweeps * ranks.size()) as f64);
+        self.outputs.say(&format!(
+            "Exchange: a process sent {messages:.2} messages with {nodes:.2} nodes and {} per sweep, \
+             in {sweeps} sweeps",
+            memory::text(bytes)
+        ));
     }
 
     /// What the scene needs, as far as it is known now.
@@ -145,6 +166,7 @@ impl Simulation {
     fn prepare(&mut self) -> Result<Hooks, Fault> {
         self.loops.timing.restart();
         self.loops.fault = None;
+        self.loops.tiles.ghosts.traffic = Traffic::default();
         self.interrupted = self.world.ranks.any(interrupt::requested());
         (self.loops.clipped, self.loops.removed, self.loops.bounced) = (0, 0, 0);
         self.loops.cut = None;
