@@ -19,6 +19,7 @@ mod fixes;
 mod gas;
 mod granular;
 mod heat;
+mod hertz;
 mod inputs;
 mod invariants;
 mod ledger;
