@@ -310,6 +310,38 @@ fn a_compliant_cantilever_swings_as_published() {
     }
 }
 
+/// Lowest tip of the beam of tetrahedra and when, on `cells` cells along the box.
+fn swing_of_tetrahedra(cells: f64) -> [f64; 2] {
+    let script = Script::input("cantilever/cantilever-3d.mpm");
+    let script = script.statement("run_time", "run_time(1.3)");
+    let played = script.play(&[("cells", cells)]);
+    assert_eq!(played.end, Ok(()), "{cells} cells");
+    let particles = &played.session.simulation.world.particles;
+    let volume: f64 = particles.velocity.iter().map(|v| v[3]).sum();
+    assert!((volume - 4.0).abs() < 1e-12, "{volume}");
+    let rows = played.column("Time").into_iter().zip(played.column("tip_z"));
+    let (time, lowest) = rows.min_by(|a, b| a.1.total_cmp(&b.1)).expect("a row");
+    println!("Tet4, {cells} cells: lowest {lowest:.4} at {time:.3}");
+    [lowest, time]
+}
+
+#[test]
+fn a_cantilever_of_tetrahedra_swings_as_deep_as_it_should() {
+    // V7 in three dimensions: between -3.15 and -3.36 m.
+    let [lowest, time] = swing_of_tetrahedra(16.0);
+    assert!((-3.36..=-3.15).contains(&lowest) && (1.03..=1.25).contains(&time));
+}
+
+#[test]
+#[ignore = "minutes: three grids"]
+fn a_cantilever_of_tetrahedra_converges_with_its_grid() {
+    let [_, middle, fine] = [16.0, 32.0, 64.0].map(swing_of_tetrahedra);
+    // V7: the finer grids within 0.05 m of each other, the finest within 5 % of -3.284 m (total
+    // Lagrangian, cells of 0.25 m) and of its time 1.04 s.
+    assert!((middle[0] - fine[0]).abs() < 0.05);
+    assert!((fine[0] / -3.284 - 1.0).abs() < 0.05 && (fine[1] / 1.04 - 1.0).abs() < 0.05);
+}
+
 #[test]
 fn corners_beyond_the_grid_are_moved_and_no_mass_is_lost() {
     // One particle to a cell; stretched to five the outermost corners pass the layer of nodes.

@@ -156,7 +156,9 @@ impl Script {
         let text = self.without_files().text;
         let variables: Vec<(String, String)> =
             variables.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
-        let source = Source::new(self.name.clone(), &text);
+        // Meshes lie beside the scripts of `inputs`.
+        let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("inputs").join(&self.name);
+        let source = Source::new(place.display().to_string(), &text);
         let (script, found) = rehearse(source, &variables);
         let mistakes: Vec<Diagnostic> =
             found.into_iter().filter(|remark| remark.severity == Severity::Error).collect();
