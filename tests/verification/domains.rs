@@ -182,6 +182,19 @@ fn crossing_cells_does_no_harm() {
 }
 
 #[test]
+fn a_square_converges_where_particles_cross_cells() {
+    // V4 at A = 0.05, means over time: hats have no order there (0.28 to 0.48 in the table).
+    for method in ["ulcpdi, FLIP, linear, 1, R4", "ulcpdi, FLIP, linear, 1, Q4"] {
+        let (errors, order) =
+            errors("manufactured.mpm", method, &[8.0, 16.0, 32.0], &[("A", 0.05)]);
+        assert!((order - 2.0).abs() < 0.2 && errors[1] < 0.03, "{method}: {errors:?}");
+    }
+    let hats = "ulmpm, FLIP, linear, 1";
+    let (_, order) = errors("manufactured.mpm", hats, &[16.0, 32.0], &[("A", 0.05)]);
+    assert!(order < 0.5, "hats converge with order {order}");
+}
+
+#[test]
 fn domains_follow_large_shears() {
     // V5 at G = 1: shears of 6. Splines of `ulmpm` break there.
     for method in ["ulcpdi, FLIP, linear, 1, R4", "ulcpdi, FLIP, linear, 1, Q4"] {
@@ -386,6 +399,49 @@ fn a_column_compacted_by_its_weight_has_its_closed_form() {
     let (_, order) = column("ulmpm, FLIP, gimp, 1");
     assert!((0.7..1.3).contains(&order), "order {order}");
     let (_, order) = column("ulmpm, FLIP, linear, 1");
+    assert!(order < 0.0, "hats converge with order {order}");
+}
+
+/// V6: sum |sigma - exact| V/(rho g l V0) of the compacted column, exact = -rho g (l - X), and its order
+/// between 10 and 20 cells.
+fn column_stress(method: &str) -> ([f64; 2], f64) {
+    let script = Script::input("column-compaction/column-compaction.mpm")
+        .statement("method(", &format!("method({method})"));
+    let errors = [10.0, 20.0].map(|cells| {
+        let played = script.play(&[("cells", cells)]);
+        assert_eq!(played.end, Ok(()), "{method}, {cells} cells");
+        let world = &played.session.simulation.world;
+        let (weight, height) = (80.0 * 9.81, 10.0);
+        let (mut sum, mut volume) = (0.0, 0.0);
+        for p in 0..world.particles.len() {
+            let exact = -weight * (height - world.particles.reference_place(p)[0]);
+            let size = world.particles.velocity[p][3];
+            let error = (world.stress(p)[(0, 0)] - exact).abs();
+            sum += error * size * world.deformation(p).determinant();
+            volume += size;
+        }
+        sum / (weight * height * volume)
+    });
+    let order = (errors[0] / errors[1]).log2();
+    println!("stress of the column, {method}: {errors:?}, order {order:.2}");
+    (errors, order)
+}
+
+#[test]
+fn the_stress_of_a_compacted_column_is_that_of_its_weight() {
+    // The table has 1.76e-2, 8.78e-3 for total Lagrangian hats: each particle of a pair is h/4 off the
+    // place whose stress both have.
+    let (errors, order) = column_stress("tlmpm, FLIP, linear, 1");
+    assert!((order - 1.0).abs() < 0.2 && (errors[1] / 8.78e-3 - 1.0).abs() < 0.02);
+    // V6: below 1.5e-3 on 20 cells for splines; domains that stretch do as well as splines.
+    let (errors, _) = column_stress("ulmpm, FLIP, cubic-spline, 1");
+    assert!(errors[1] < 1.5e-3);
+    let (errors, order) = column_stress("ulcpdi, FLIP, linear, 1");
+    assert!(errors[1] < 1.5e-3 && order > 1.6);
+    // 1.5e-2, 9.5e-3 in the table; hats diverge.
+    let (errors, order) = column_stress("ulmpm, FLIP, gimp, 1");
+    assert!((errors[1] / 9.5e-3 - 1.0).abs() < 0.02 && (0.4..1.0).contains(&order));
+    let (_, order) = column_stress("ulmpm, FLIP, linear, 1");
     assert!(order < 0.0, "hats converge with order {order}");
 }
 
