@@ -191,12 +191,18 @@ fn fails(name: &str, script: &str) -> String {
     said
 }
 
+/// Ends `mpirun` so that it ends its processes.
+fn end(child: &mut Child) {
+    let _ = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
+    let _ = child.wait();
+}
+
 /// Waits for the end; a program that hangs is ended and a failure.
 fn finished(mut child: Child, limit: Duration) -> Output {
     let start = Instant::now();
     while child.try_wait().unwrap().is_none() {
         if start.elapsed() > limit {
-            child.kill().unwrap();
+            end(&mut child);
             panic!("still running after {limit:?}");
         }
         std::thread::sleep(Duration::from_millis(20));
@@ -218,6 +224,56 @@ fn what_fails_in_one_process_stops_all_with_one_message() {
     let said =
         fails("start", &with("fix(late, initial_velocity_particles, all, sqrt(6 - x), 0)\n"));
     assert!(said.contains("sqrt(6 - x)"), "{said}");
+}
+
+/// Bodies that are added, cut and moved between runs.
+const CHANGES: &str = "
+method(ulmpm, FLIP, quadratic-spline, 0.99)
+dimension(2, 0, 40, 0, 40, 1)
+region(a, block, 5, 15, 5, 15)
+region(b, block, 20, 30, 5, 15)
+region(c, block, 5, 12, 20, 34)
+region(cut, block, 0, 8, 0, 40)
+material(m, neo-hookean, 1, 100, 0.3)
+solid(a, region, a, 2, m, 1)
+solid(b, region, b, 2, m, 1)
+group(thrown, particles, region, a, solid, a)
+fix(throw, initial_velocity_particles, thrown, 2, 0.3)
+compute(Ek, kinetic_energy, all)
+compute(turn, angular_momentum, all)
+compute(mean, average_velocity, all)
+log_modify(custom, step, dt, time, Ek, turn_z, mean_x)
+set_output(5)
+dump(p, all, particle, 20, p.*.dump, x, y, vx, vy, s11)
+dump(picture, all, pyplot, 20, p.*.svg)
+run(30)
+solid(c, region, c, 2, m, 1)
+group(dropped, particles, region, c, solid, c)
+fix(drop, initial_velocity_particles, dropped, 0, -3)
+run(30)
+delete_particles(a, region, cut)
+run(30)
+translate_particles(c, region, c, 0.5, 0.25)
+group(late, particles, region, b, solid, all)
+fix(pull, body_force, late, 0, 1)
+run(40)
+";
+
+#[test]
+fn bodies_may_be_added_cut_and_moved_between_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = folder.path().join("in.mpm");
+    let total = CHANGES
+        .replace("ulmpm, FLIP, quadratic-spline, 0.99", "tlmpm, FLIP, linear, 0.99")
+        .replace("translate_particles(c, region, c, 0.5, 0.25)\n", "");
+    for text in [CHANGES, &total] {
+        std::fs::write(&script, text).unwrap();
+        let one = play(&script, &[], 0);
+        assert!(one.len() > 12, "{:?}", one.keys());
+        for processes in [2, 3, 5] {
+            assert!(play(&script, &[], processes) == one, "{processes} processes: {text}");
+        }
+    }
 }
 
 /// What a text says between two words.
@@ -258,12 +314,15 @@ fn a_process_that_is_killed_takes_the_others_with_it() {
     let mut command = program(3);
     command.args(["killed.mpm", "--quiet"]).current_dir(folder.path());
     command.stdout(Stdio::null()).stderr(Stdio::null());
-    let child = command.spawn().unwrap();
+    let mut child = command.spawn().unwrap();
     let own = child.id();
     // A process of ours: a child of `mpirun` that has begun to write its log or steps.
     let start = Instant::now();
     while !folder.path().join("log.mpm").exists() {
-        assert!(start.elapsed() < Duration::from_secs(30), "never began");
+        if start.elapsed() > Duration::from_secs(30) {
+            end(&mut child);
+            panic!("never began");
+        }
         std::thread::sleep(Duration::from_millis(20));
     }
     let children = format!("/proc/{own}/task/{own}/children");

@@ -269,7 +269,7 @@ impl Simulation {
         self.board.values.resize(self.quantities.len(), 0.0);
         let slots: Vec<Slot> = by.formulas().iter().flat_map(|f| f.slots().to_vec()).collect();
         self.refresh(&slots);
-        let World { particles, solids, domain, method, .. } = &mut self.world;
+        let World { particles, solids, domain, method, ranks, .. } = &mut self.world;
         let inside = |p: &usize| {
             let [x, y, z, _] = particles.position[*p];
             solid.is_none_or(|solid| solid == particles.solid[*p] as usize)
@@ -279,9 +279,10 @@ impl Simulation {
         let place = of_particles(&particles.position, &particles.columns);
         let now = Instant::start(&self.clock);
         let mut moves = Vec::with_capacity(members.len());
-        by.each(&self.board, &now, members.into_iter(), place, |p, by| {
+        let done = by.each(&self.board, &now, members.into_iter(), place, |p, by| {
             moves.push((p, by.map(Option::unwrap_or_default)));
-        })?;
+        });
+        ranks.agree(done.err(), &mut [])?;
         // Of each solid the number of particles moved, and by how much if that is one for all.
         let mut moved = vec![(0, None, true); solids.len()];
         for (p, by) in moves {
@@ -302,8 +303,9 @@ impl Simulation {
         particles.reference.clear();
         let place = |p: usize| std::array::from_fn(|axis| particles.position[p][axis]);
         if !method.total {
-            return Ok((0..particles.len()).all(|p| domain.contains(place(p))));
+            return Ok(!ranks.any(!(0..particles.len()).all(|p| domain.contains(place(p)))));
         }
+        // Such bodies move before the first run only, while every process has all particles.
         for (number, (solid, moved)) in solids.iter_mut().zip(moved).enumerate() {
             let own = (0..particles.len()).filter(|p| particles.solid[*p] as usize == number);
             match moved {
