@@ -1,10 +1,11 @@
-//! The command line: `karamelo-rs SCRIPT`, `check`, `styles`, `explain`.
+//! The command line: `karamelo-rs SCRIPT`, `check`, `study`, `styles`, `explain`.
 
 mod arguments;
 mod launcher;
+mod study;
 mod styles;
 
-use crate::command::play;
+use crate::command::play::{self, Wishes};
 use crate::command::session::{Mode, Session, Stop};
 use crate::error;
 use crate::fault::{Fault, FaultKind};
@@ -69,6 +70,8 @@ fn run(arguments: Vec<OsString>) -> u8 {
         Task::Styles { .. } | Task::Explain(_) | Task::Text(_) if !ranks.is_first() => DONE,
         Task::Run(options) => script(&options, Mode::Run, ranks),
         Task::Check(options) => script(&options, Mode::Check, ranks),
+        Task::Study(_) if !ranks.is_alone() => alone("study", ranks),
+        Task::Study(words) => study::run(*words),
         Task::Styles { family, name } => show(styles::text(family.as_deref(), name.as_deref())),
         Task::Explain(code) => show(
             error::explain(&code)
@@ -76,6 +79,14 @@ fn run(arguments: Vec<OsString>) -> u8 {
         ),
         Task::Text(text) => show(Ok(text)),
     }
+}
+
+/// Refuses a command that starts processes of its own under a launcher.
+fn alone(command: &str, ranks: &Ranks) -> u8 {
+    if ranks.is_first() {
+        eprintln!("error: `{command}` starts processes of its own: call it without a launcher");
+    }
+    WRONG
 }
 
 /// Prints a text; a reader that has gone away is no error.
@@ -126,7 +137,12 @@ fn script(options: &Options, mode: Mode, ranks: &Ranks) -> u8 {
     let threads = options.threads.or(launcher::threads(ranks));
     let _ = pool.num_threads(threads.unwrap_or(0)).build_global();
     let (source, encoding) = Source::from_bytes(options.script.display().to_string(), &bytes);
-    let (script, mut found) = play::rehearse(source, &options.variables);
+    let wishes = Wishes {
+        variables: &options.variables,
+        settings: &options.settings,
+        measure: options.measure.as_deref(),
+    };
+    let (script, mut found) = play::rehearse_with(source, &wishes);
     found.extend(encoding);
     let errors = || found.iter().filter(|d| d.severity == Severity::Error);
     let wrong = errors().next().is_some();
@@ -152,6 +168,12 @@ fn script(options: &Options, mode: Mode, ranks: &Ranks) -> u8 {
     session.source = script.source.clone();
     session.echo = options.echo;
     session.processes.clone_from(&options.processes);
+    for change in &script.changes {
+        let (line, _) = script.source.position(change.span.start);
+        let said =
+            format!("{}    # instead of line {line} or above it: {}", change.line, change.setting);
+        session.simulation.outputs.say(&said);
+    }
     let result = play::perform(&script, &mut session);
     session.show_warnings();
     match result {

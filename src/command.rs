@@ -18,6 +18,7 @@ pub mod play;
 mod run;
 pub mod scene;
 pub mod session;
+pub mod setting;
 mod solid;
 
 use crate::script::arguments::Args;

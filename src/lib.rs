@@ -58,6 +58,7 @@ pub mod shape;
 pub mod simulation;
 pub mod step;
 pub mod strength;
+pub mod study;
 pub mod style;
 pub mod temperature;
 pub mod time_step;

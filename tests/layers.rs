@@ -17,7 +17,7 @@ const LAYERS: [&[&str]; 14] = [
     &["scheme"],
     &["output"],
     &["simulation"],
-    &["command", "error", "cli"],
+    &["command", "error", "study", "cli"],
 ];
 
 fn files(folder: &Path, list: &mut Vec<PathBuf>) {

@@ -1,5 +1,7 @@
 //! Words of the command line.
 
+use super::study::StudyWords;
+use crate::command::setting::Setting;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -11,6 +13,8 @@ pub enum Task {
     Run(Options),
     /// Check a script.
     Check(Options),
+    /// Study what accuracy costs.
+    Study(Box<StudyWords>),
     /// Describe styles.
     Styles { family: Option<String>, name: Option<String> },
     /// Explain a code.
@@ -26,6 +30,10 @@ pub struct Options {
     pub script: PathBuf,
     /// `-var NAME VALUE`.
     pub variables: Vec<(String, String)>,
+    /// `--set NAME=VALUE`.
+    pub settings: Vec<Setting>,
+    /// `--measure EXPRESSION`.
+    pub measure: Option<String>,
     /// The log file; `None` for none.
     pub log: Option<PathBuf>,
     /// Show assignments.
@@ -64,6 +72,12 @@ struct Run {
     /// Sets a variable; assignments of the script are skipped
     #[arg(long = "var", num_args = 2, value_names = ["NAME", "VALUE"], action = clap::ArgAction::Append, allow_hyphen_values = true)]
     variables: Vec<String>,
+    /// Puts other words in the place of those of the script: shape, transfer, scheme, cell, ...
+    #[arg(long = "set", value_name = "NAME=VALUE", action = clap::ArgAction::Append, value_parser = Setting::parse)]
+    settings: Vec<Setting>,
+    /// Makes the log hold the time and this expression alone
+    #[arg(long, value_name = "EXPRESSION")]
+    measure: Option<String>,
     /// The log file, or none
     #[arg(long, value_name = "FILE|none", default_value = "log.mpm")]
     log: PathBuf,
@@ -88,6 +102,8 @@ enum Command {
         #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
         processes: Vec<u32>,
     },
+    /// Runs a script over many settings: error against time
+    Study(Box<StudyWords>),
     /// Describes the styles of the script language
     Styles {
         /// command, region, material, fix, compute, dump, ...
@@ -115,6 +131,7 @@ pub fn parse(arguments: Vec<OsString>) -> Result<Task, clap::Error> {
             let processes = processes.into_iter().map(|count| count as usize).collect();
             Ok(Task::Check(Options { processes, ..options(run)? }))
         }
+        Some(Command::Study(words)) => Ok(Task::Study(words)),
         Some(Command::Styles { family, name }) => Ok(Task::Styles { family, name }),
         Some(Command::Explain { code }) => Ok(Task::Explain(code)),
         Some(Command::Completions { shell }) => {
@@ -148,6 +165,8 @@ fn options(run: Run) -> Result<Options, clap::Error> {
     Ok(Options {
         script,
         variables: pairs.map(|pair| (pair[0].clone(), pair[1].clone())).collect(),
+        settings: run.settings,
+        measure: run.measure,
         log: (run.log.as_os_str() != "none").then_some(run.log),
         echo: run.echo,
         threads: run.threads.map(usize::from),

@@ -2,6 +2,7 @@
 
 use super::scene::Scene;
 use super::session::{Session, Stop};
+use super::setting::{self, Change, Setting};
 use super::{Action, COMMANDS, files};
 use crate::script::arguments::{Args, Name};
 use crate::script::diagnostic::{Code, Diagnostic, Severity};
@@ -18,12 +19,45 @@ pub struct Script {
     pub statements: Vec<Statement>,
     /// `-var` of the command line.
     pub variables: Vec<(String, String)>,
+    /// What settings have changed in the statements.
+    pub changes: Vec<Change>,
+    /// The smallest cell size of the grid and the solids [L], where the rehearsal came to know one.
+    pub cell: Option<f64>,
+}
+
+/// What the command line wants otherwise than the script.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wishes<'a> {
+    /// `-var`.
+    pub variables: &'a [(String, String)],
+    /// `--set`.
+    pub settings: &'a [Setting],
+    /// `--measure`.
+    pub measure: Option<&'a str>,
 }
 
 /// Parses and rehearses a script: all its mistakes and remarks at once. Nothing is written.
 pub fn rehearse(source: Source, variables: &[(String, String)]) -> (Script, Vec<Diagnostic>) {
-    let (statements, mut found) = syntax::parse(&source);
-    let script = Script { source, statements, variables: variables.to_vec() };
+    rehearse_with(source, &Wishes { variables, ..Wishes::default() })
+}
+
+/// The same with settings.
+pub fn rehearse_with(source: Source, wishes: &Wishes<'_>) -> (Script, Vec<Diagnostic>) {
+    let variables = wishes.variables;
+    let (mut statements, mut found) = syntax::parse(&source);
+    let mut changes = Vec::new();
+    match setting::apply(&mut statements, wishes.settings, variables, &source) {
+        Ok(made) => changes.extend(made),
+        Err(mistake) => found.push(mistake),
+    }
+    if let Some(expression) = wishes.measure {
+        match setting::measure(&mut statements, expression, &source) {
+            Ok(made) => changes.extend(made),
+            Err(mistake) => found.push(mistake),
+        }
+    }
+    let variables_given = variables.to_vec();
+    let mut script = Script { source, statements, variables: variables_given, changes, cell: None };
     let mut scope = match Scope::new(variables) {
         Ok(scope) => scope,
         Err(mistake) => {
@@ -52,6 +86,9 @@ pub fn rehearse(source: Source, variables: &[(String, String)]) -> (Script, Vec<
             broken.extend(declared(statement));
         }
     }
+    let cells = scene.solids.iter().map(|(_, solid)| solid.cells.cell);
+    let cells = cells.chain(scene.domain.map(|domain| domain.cell));
+    script.cell = cells.filter(|cell| *cell > 0.0).min_by(f64::total_cmp);
     (script, found)
 }
 
