@@ -1,9 +1,10 @@
-//! The command line: `karamelo-rs SCRIPT`, `check`, `study`, `styles`, `explain`.
+//! The command line: `karamelo-rs SCRIPT`, `check`, `study`, `verify`, `styles`, `explain`.
 
 mod arguments;
 mod launcher;
 mod study;
 mod styles;
+mod verify;
 
 use crate::command::play::{self, Wishes};
 use crate::command::session::{Mode, Session, Stop};
@@ -72,6 +73,7 @@ fn run(arguments: Vec<OsString>) -> u8 {
         Task::Check(options) => script(&options, Mode::Check, ranks),
         Task::Study(_) if !ranks.is_alone() => alone("study", ranks),
         Task::Study(words) => study::run(*words),
+        Task::Verify(words) => verify::run(&words),
         Task::Styles { family, name } => show(styles::text(family.as_deref(), name.as_deref())),
         Task::Explain(code) => show(
             error::explain(&code)

@@ -64,5 +64,6 @@ pub mod temperature;
 pub mod time_step;
 pub mod timing;
 pub mod transfer;
+pub mod verify;
 pub mod watch;
 pub mod world;

@@ -1,6 +1,7 @@
 //! Words of the command line.
 
 use super::study::StudyWords;
+use super::verify::VerifyWords;
 use crate::command::setting::Setting;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
@@ -15,6 +16,8 @@ pub enum Task {
     Check(Options),
     /// Study what accuracy costs.
     Study(Box<StudyWords>),
+    /// Prove the program.
+    Verify(VerifyWords),
     /// Describe styles.
     Styles { family: Option<String>, name: Option<String> },
     /// Explain a code.
@@ -104,6 +107,8 @@ enum Command {
     },
     /// Runs a script over many settings: error against time
     Study(Box<StudyWords>),
+    /// Prove the program.
+    Verify(VerifyWords),
     /// Describes the styles of the script language
     Styles {
         /// command, region, material, fix, compute, dump, ...
@@ -132,6 +137,7 @@ pub fn parse(arguments: Vec<OsString>) -> Result<Task, clap::Error> {
             Ok(Task::Check(Options { processes, ..options(run)? }))
         }
         Some(Command::Study(words)) => Ok(Task::Study(words)),
+        Some(Command::Verify(words)) => Ok(Task::Verify(words)),
         Some(Command::Styles { family, name }) => Ok(Task::Styles { family, name }),
         Some(Command::Explain { code }) => Ok(Task::Explain(code)),
         Some(Command::Completions { shell }) => {
