@@ -134,19 +134,55 @@ fn answer(study: &Study) -> String {
         percent(measured.error, study.relative),
         seconds(measured)
     );
-    let same = |other: &Case| study.label(other, false) == study.label(case, false);
-    let finer = study
-        .done()
-        .find(|(other, m)| same(other) && other.cell < case.cell && m.error >= study.below);
-    if let Some((finer, missed)) = finer {
-        let _ = writeln!(
-            text,
-            "but do not trust it: on finer cells ({}) the same setting has error {}",
-            study.label(finer, true),
-            percent(missed.error, study.relative)
-        );
+    for other in finer(study, case) {
+        let _ = match &other.state {
+            State::Done(m) if m.error < study.below => continue,
+            State::Done(m) => writeln!(
+                text,
+                "but do not trust it: on finer cells ({}) the same setting has error {}",
+                study.label(other, true),
+                percent(m.error, study.relative)
+            ),
+            State::Failed(reason) => writeln!(
+                text,
+                "but do not trust it: on finer cells ({}) the same setting fails: {reason}",
+                study.label(other, true)
+            ),
+            State::Refused(_) | State::Waiting => continue,
+        };
+        if let Some((case, measured)) = trusted(study) {
+            let _ = writeln!(
+                text,
+                "the cheapest that finer cells confirm is {}: error {} in {} {what}",
+                study.label(case, true),
+                percent(measured.error, study.relative),
+                seconds(measured)
+            );
+        }
+        break;
     }
     text
+}
+
+/// Cases that differ from one in nothing but finer cells.
+fn finer<'a>(study: &'a Study, case: &'a Case) -> impl Iterator<Item = &'a Case> {
+    let same = |other: &Case| study.label(other, false) == study.label(case, false);
+    study.cases.iter().filter(move |other| other.cell < case.cell && same(other))
+}
+
+/// The fastest case below the limit that has finer ones, all of them below the limit too.
+fn trusted(study: &Study) -> Option<(&Case, &Measured)> {
+    let good = |case: &Case| match &case.state {
+        State::Done(measured) => measured.error < study.below,
+        State::Refused(_) => true,
+        State::Failed(_) | State::Waiting => false,
+    };
+    let confirmed = |case: &Case| {
+        let mut finer = finer(study, case).peekable();
+        finer.peek().is_some() && finer.all(good)
+    };
+    let all = study.done().filter(|(case, _)| good(case) && confirmed(case));
+    all.min_by(|a, b| study.seconds(a.1).total_cmp(&study.seconds(b.1)))
 }
 
 fn percent(error: f64, relative: bool) -> String {
@@ -252,6 +288,22 @@ mod tests {
             text.contains("\nwarning: all odd\n") && text.contains(" warning: odd\n"),
             "{text}"
         );
+    }
+
+    #[test]
+    fn a_pass_whose_finer_run_fails_is_no_better_and_the_next_one_is_named() {
+        let mut study = study();
+        study.cases[1].state = State::Failed("it tears".to_string());
+        let mut steady = study.cases[..2].to_vec();
+        for (case, error) in steady.iter_mut().zip([8e-3, 2e-3]) {
+            case.values[0] = "cubic".to_string();
+            case.state = State::Done(Measured { error, cpu: 0.5, ..Measured::default() });
+        }
+        study.cases.extend(steady);
+        let text = text(&study);
+        assert!(text.contains("the same setting fails: it tears"), "{text}");
+        let next = "the cheapest that finer cells confirm is shape=cubic cells=8: error 0.800 %";
+        assert!(text.contains(next), "{text}");
     }
 
     #[test]
