@@ -88,14 +88,16 @@ impl Drop for Scratch {
 pub fn files_of(statements: &[Statement], folder: &Path) -> (Vec<PathBuf>, Vec<PathBuf>) {
     let (mut files, mut folders) = (Vec::new(), Vec::new());
     for statement in statements {
-        let Statement::Call { arguments, .. } = statement else { continue };
+        let Statement::Call { name, arguments, .. } = statement else { continue };
+        // A file of an earlier run that a dump would write again is none to read.
+        let reads = ["solid", "region"].contains(&name.text.as_str());
         for word in arguments {
             let path = PathBuf::from(word.text.trim());
             let inside = path.components().all(|c| matches!(c, std::path::Component::Normal(_)));
             if path.as_os_str().is_empty() || !inside {
                 continue;
             }
-            if folder.join(&path).is_file() {
+            if reads && folder.join(&path).is_file() {
                 files.push(path);
             } else if let Some(parent) = path.parent().filter(|p| !p.as_os_str().is_empty())
                 && folder.join(parent).is_dir()
@@ -208,6 +210,22 @@ mod tests {
         assert_eq!(reason("error: particle 3 left\n", Some(1)), "particle 3 left");
         assert_eq!(reason("", Some(7)), "ended with code 7");
         assert_eq!(reason("", None), "ended by a signal");
+    }
+
+    #[test]
+    fn only_what_a_script_reads_is_put_into_its_folder() {
+        let scratch = Scratch::new().unwrap();
+        std::fs::create_dir(scratch.path().join("out")).unwrap();
+        for name in ["part.stl", "p.dump"] {
+            std::fs::write(scratch.path().join(name), "x").unwrap();
+        }
+        let text = "region(r, stl, part.stl)\ndump(p, all, particle, 1, p.dump, x)\n\
+                    save_plot(out/plot.svg)\n";
+        let source = crate::script::source::Source::new("in.mpm", text);
+        let (statements, _) = crate::script::syntax::parse(&source);
+        let (files, folders) = files_of(&statements, scratch.path());
+        assert_eq!(files, [PathBuf::from("part.stl")]);
+        assert_eq!(folders, [PathBuf::from("out")]);
     }
 
     #[test]
