@@ -73,6 +73,7 @@ fn run(arguments: Vec<OsString>) -> u8 {
         Task::Check(options) => script(&options, Mode::Check, ranks),
         Task::Study(_) if !ranks.is_alone() => alone("study", ranks),
         Task::Study(words) => study::run(*words),
+        Task::Verify(_) if !ranks.is_alone() => alone("verify", ranks),
         Task::Verify(words) => verify::run(&words),
         Task::Styles { family, name } => show(styles::text(family.as_deref(), name.as_deref())),
         Task::Explain(code) => show(
