@@ -6,16 +6,19 @@ mod study;
 mod styles;
 mod verify;
 
+use crate::command;
 use crate::command::play::{self, Wishes};
 use crate::command::session::{Mode, Session, Stop};
 use crate::error;
 use crate::fault::{Fault, FaultKind};
 use crate::interrupt;
-use crate::output::{OutputOptions, Outputs};
+use crate::output::{OutputOptions, Outputs, restart};
 use crate::parallel::Ranks;
 use crate::script::diagnostic::{Code, Diagnostic, Severity, render};
 use crate::script::source::Source;
 use arguments::{Options, Task};
+use signal_hook::consts::{SIGINT, SIGTERM, SIGXFSZ};
+use signal_hook::iterator::Signals;
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::path::Path;
@@ -29,9 +32,6 @@ const RUN_FAILED: u8 = 1;
 const WRONG: u8 = 2;
 /// The file system is wrong.
 const FILES: u8 = 3;
-/// Stopped by the user.
-const INTERRUPTED: u8 = 130;
-
 const USAGE: &str = "\
 usage: karamelo-rs SCRIPT            runs a script
        karamelo-rs --help            lists everything else
@@ -139,13 +139,28 @@ fn script(options: &Options, mode: Mode, ranks: &Ranks) -> u8 {
     let pool = rayon::ThreadPoolBuilder::new().use_current_thread();
     let threads = options.threads.or(launcher::threads(ranks));
     let _ = pool.num_threads(threads.unwrap_or(0)).build_global();
-    let (source, encoding) = Source::from_bytes(options.script.display().to_string(), &bytes);
+    let name = options.script.display().to_string();
+    let (source, encoding, finishes_run) = match restart::is_restart(&bytes) {
+        false => {
+            let (source, encoding) = Source::from_bytes(name, &bytes);
+            (source, encoding, false)
+        }
+        true => match command::restart::rest_of_script(&name, &bytes) {
+            Ok((source, finishes_run)) => (source, None, finishes_run),
+            Err(reason) => {
+                eprintln!("error: cannot go on from `{name}`: {reason}");
+                return FILES;
+            }
+        },
+    };
+    drop(bytes);
     let wishes = Wishes {
         variables: &options.variables,
         settings: &options.settings,
         measure: options.measure.as_deref(),
     };
-    let (script, mut found) = play::rehearse_with(source, &wishes);
+    let (mut script, mut found) = play::rehearse_with(source, &wishes);
+    script.finishes_run = finishes_run;
     found.extend(encoding);
     let errors = || found.iter().filter(|d| d.severity == Severity::Error);
     let wrong = errors().next().is_some();
@@ -202,14 +217,26 @@ fn finish(mut session: Session, found: &[Diagnostic]) -> u8 {
 
 /// The performance ended early: why, and where it stood.
 fn stopped(stop: Stop, session: &mut Session) -> u8 {
+    let kept = match stop {
+        Stop::Interrupted => {
+            let script = session.source.name.clone();
+            Some(command::restart::write_interrupted(session, &script))
+        }
+        _ => None,
+    };
     // What is written so far stays; a second failure would only hide the first one.
     let _ = session.simulation.outputs.close();
     if session.speaks() {
         tell(&stop, session);
+        match kept {
+            Some(Ok(file)) => eprintln!("   = go on with: karamelo-rs {file}"),
+            Some(Err(fault)) => eprintln!("   = no restart file: {fault}"),
+            None => {}
+        }
     }
     match stop {
         Stop::Script(_) => WRONG,
-        Stop::Interrupted => INTERRUPTED,
+        Stop::Interrupted => interrupt::exit_code_now(),
         Stop::Fault(Fault { kind: FaultKind::Run, .. }) => RUN_FAILED,
         Stop::Fault(Fault { kind: FaultKind::File, .. }) => FILES,
     }
@@ -242,13 +269,16 @@ fn report(found: &[Diagnostic], source: &Source) {
     }
 }
 
-/// The first signal stops after the step under way, the second one at once.
+/// The first signal stops after the step under way, the second one at once. A file that grows beyond
+/// what is allowed is a fault of the file system, not a signal.
 fn install_signals() {
-    let handler = || {
-        if interrupt::request() {
-            std::process::exit(i32::from(INTERRUPTED));
+    // Without handlers the system's own defaults apply.
+    let Ok(mut signals) = Signals::new([SIGINT, SIGTERM, SIGXFSZ]) else { return };
+    std::thread::spawn(move || {
+        for signal in signals.forever().filter(|signal| *signal != SIGXFSZ) {
+            if interrupt::request(signal) {
+                std::process::exit(i32::from(interrupt::exit_code(signal)));
+            }
         }
-    };
-    // Without a handler the system's own default applies.
-    let _ = ctrlc::set_handler(handler);
+    });
 }

@@ -15,6 +15,7 @@ mod method;
 mod output;
 mod particles;
 pub mod play;
+pub mod restart;
 mod run;
 pub mod scene;
 pub mod session;
@@ -213,9 +214,18 @@ of volume r dr dtheta (dx), inside region and box; (c1, c2) as for the region st
         "old form: changes the transfer",
         compatibility::method_modify,
     ),
-    reserved("restart", "N, file", "a restart file every N steps"),
-    reserved("write_restart", "file", "a restart file now"),
-    reserved("read_restart", "file", "goes on from a restart file"),
+    explained(
+        row("restart", "N, file", "a restart file every N steps; 0: no more", restart::restart),
+        restart::MANUAL,
+    ),
+    explained(
+        row("write_restart", "file", "a restart file now", restart::write_restart),
+        restart::MANUAL,
+    ),
+    explained(
+        row("read_restart", "file", "goes on from a restart file", restart::read_restart),
+        restart::MANUAL,
+    ),
     reserved("include", "file", "the text of another script"),
     reserved("partition_domain", "...", "cuts the box for ranks"),
     reserved("dump_modify", "...", "changes a dump"),

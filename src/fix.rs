@@ -20,6 +20,7 @@ pub mod velocity_nodes;
 pub mod velocity_particles;
 
 use crate::fault::Fault;
+use crate::model::checkpoint::Checkpoint;
 use crate::model::group::GroupId;
 use crate::plan::Plan;
 use crate::script::arguments::Args;
@@ -68,6 +69,9 @@ pub trait Fix: Send {
     fn largest_step(&self) -> f64 {
         f64::INFINITY
     }
+
+    /// Puts into a checkpoint, or takes from it, what the steps so far have left in it.
+    fn keep(&mut self, _checkpoint: &mut Checkpoint) {}
 
     /// The results `ID_x`, `ID_y`, `ID_z`, `ID_s`.
     fn results(&self, _world: &World) -> [f64; 4] {

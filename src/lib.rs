@@ -6,7 +6,9 @@
 //! in the rehearsal, which finds all mistakes before anything happens, and when the script is
 //! performed on a [`simulation::Simulation`]. Its loop over steps is in `simulation/run.rs`; one
 //! step is the algorithm box of [`scheme::musl`]; the loops over particles and nodes behind it are
-//! in [`kernel`], the laws in [`material`]. What leaves the program goes through [`output`].
+//! in [`kernel`], the laws in [`material`]. What leaves the program goes through [`output`]. Restart
+//! files: the format in [`output::restart`], the state in `simulation/restart.rs`, the scene in
+//! [`command::restart`].
 //!
 //! Styles are rows of tables ([`style`]): [`command::COMMANDS`], [`region::REGIONS`],
 //! [`material::MATERIALS`] and the parts of a composite law ([`eos::EOS`], [`strength::STRENGTH`],

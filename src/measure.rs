@@ -3,6 +3,7 @@
 use crate::compute::Compute;
 use crate::fix::Fix;
 use crate::math::exact_sum::{ExactSum, VectorSum};
+use crate::model::checkpoint::Checkpoint;
 use crate::model::group::GroupId;
 use crate::parallel::Ranks;
 use crate::script::formula::{GroupFunction, Quantity};
@@ -50,6 +51,26 @@ impl Captured {
             });
         }
         self.sums = sums;
+    }
+
+    /// Puts the sums into a checkpoint, or takes them from there.
+    pub fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        for sum in &mut self.sums {
+            checkpoint.within(&sum.name, |inside| {
+                inside.vector(sum.function.word(), &mut sum.value);
+            });
+        }
+    }
+
+    /// Are the sums listed that these quantities read?
+    pub fn covers(&self, quantities: &[Quantity]) -> bool {
+        quantities.iter().all(|quantity| match quantity {
+            Quantity::Group { function: GroupFunction::Xcm, .. } => true,
+            Quantity::Group { function, group, .. } => {
+                self.sums.iter().any(|sum| sum.is(*function, group))
+            }
+            _ => true,
+        })
     }
 
     /// Does anything read external forces?

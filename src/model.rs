@@ -1,5 +1,6 @@
 //! Plain data of a simulation: particles, grid, groups, clock.
 
+pub mod checkpoint;
 pub mod clock;
 pub mod column;
 pub mod contact;

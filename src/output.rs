@@ -10,10 +10,12 @@ pub mod number;
 pub mod particle;
 pub mod picture;
 pub mod plot;
+pub mod restart;
 pub mod schedule;
 
 use crate::fault::Fault;
 use crate::fix::GroupKind;
+use crate::model::checkpoint::Checkpoint;
 use crate::model::group::GroupId;
 use crate::plan::Plan;
 use crate::script::arguments::Args;
@@ -51,6 +53,9 @@ pub trait Dump: Send {
     /// # Errors
     /// The path and the system's reason.
     fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<PathBuf, Fault>;
+
+    /// Puts into a checkpoint, or takes from it, where a growing file ends.
+    fn keep(&mut self, _checkpoint: &mut Checkpoint) {}
 }
 
 /// A column of the log.

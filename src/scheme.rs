@@ -16,6 +16,7 @@ use crate::kernel::sort::{Sorter, corner_cells};
 use crate::kernel::tiles::{Report, Tiles};
 use crate::kernel::{advect, conduction, dilation, filter, grid, rigid, scatter, walls};
 use crate::measure::{self, Captured};
+use crate::model::checkpoint::Checkpoint;
 use crate::model::clock::Clock;
 use crate::model::column::Column;
 use crate::model::domain::Boundary;
@@ -83,6 +84,23 @@ pub struct Loops {
     pub sorts: u64,
     /// Time spent by phase.
     pub timing: Timing,
+}
+
+impl Loops {
+    /// Puts into a checkpoint, or takes from it, what the next step reads beside the tiles.
+    pub fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        checkpoint.number("travelled", &mut self.travelled);
+        checkpoint.flag("outgrown", &mut self.outgrown);
+        checkpoint.flag("scattered", &mut self.scattered);
+        checkpoint.flag("carried", &mut self.carried);
+        checkpoint.number("clipped", &mut self.clipped);
+        checkpoint.number("removed", &mut self.removed);
+        checkpoint.number("bounced", &mut self.bounced);
+        let (mut cut, mut time) = (self.cut.map(|(id, _)| id), self.cut.map(|(_, time)| time));
+        checkpoint.option("cut", &mut cut);
+        checkpoint.option("cut_at", &mut time);
+        self.cut = cut.zip(time);
+    }
 }
 
 /// Cells a particle may move before the next sort, less what rounding can add.
@@ -199,6 +217,17 @@ impl Parts<'_> {
         grid::clear(&mut self.world.grid, tiles.parallel);
         points::sweep(tiles, self.world, points);
         self.loops.scattered = true;
+        self.loops.timing.end(Phase::PointsToGrid);
+    }
+
+    /// Fills the nodes as the last step has left them. Momenta that it has carried over are there
+    /// already.
+    pub fn refill(&mut self, scatter: Scatter) {
+        if !self.loops.carried {
+            return self.points_to_grid(scatter);
+        }
+        let points = Points { force: true, ..self.points() };
+        points::sweep(&mut self.loops.tiles, self.world, points);
         self.loops.timing.end(Phase::PointsToGrid);
     }
 

@@ -5,6 +5,7 @@ mod compile;
 pub mod diagnostic;
 pub mod formula;
 pub mod function;
+pub mod history;
 pub mod parse;
 mod program;
 #[cfg(test)]

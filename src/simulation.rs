@@ -3,6 +3,8 @@
 mod agree;
 mod describe;
 pub mod fill;
+mod progress;
+mod restart;
 mod run;
 mod setup;
 mod whole;
@@ -16,9 +18,11 @@ use crate::output::Outputs;
 use crate::plan::Plan;
 use crate::scheme::{Loops, Scheme};
 use crate::script::formula::{Board, Formula, Quantity};
+use crate::script::history::History;
 use crate::time_step::{Floor, TimeStep};
 use crate::transfer::Transfer;
 use crate::world::World;
+use progress::Progress;
 
 /// When a run ends.
 pub enum Until {
@@ -64,6 +68,10 @@ pub struct Simulation {
     /// Size of the coming step and what limits it.
     next: Option<TimeStep>,
     floor: Floor,
+    /// The run that the next one goes on with, unless something has changed since.
+    progress: Option<Progress>,
+    /// What has been performed, for restart files.
+    pub history: History,
     /// Bits of particle groups given out so far.
     bits: usize,
     /// The user has asked some process to stop.

@@ -1,6 +1,7 @@
 //! The adaptive time step (language.md 9.5) and what limits it.
 
 use crate::kernel::tiles::Report;
+use crate::model::checkpoint::Checkpoint;
 use crate::shape::ShapeKind;
 use crate::transfer::Transfer;
 
@@ -26,6 +27,18 @@ pub enum Limit {
 }
 
 impl Limit {
+    /// All, in the order of definition.
+    pub const ALL: [Limit; 8] = [
+        Limit::Fixed,
+        Limit::Acoustic,
+        Limit::Viscous,
+        Limit::Thermal,
+        Limit::Rate,
+        Limit::Contact,
+        Limit::Growth,
+        Limit::End,
+    ];
+
     /// The word in the log.
     pub fn name(self) -> &'static str {
         match self {
@@ -48,6 +61,22 @@ pub struct TimeStep {
     pub dt: f64,
     /// What binds it.
     pub limit: Limit,
+}
+
+impl TimeStep {
+    /// Puts a step into a checkpoint, or takes it from there.
+    pub fn keep(step: &mut Option<TimeStep>, checkpoint: &mut Checkpoint) {
+        let mut dt = step.map(|step| step.dt);
+        let mut limit = step.map(|step| step.limit as u16);
+        checkpoint.option("dt", &mut dt);
+        checkpoint.option("limit", &mut limit);
+        let limit = limit.map(|number| Limit::ALL.get(usize::from(number)).copied());
+        *step = match (dt, limit) {
+            (Some(dt), Some(Some(limit))) => Some(TimeStep { dt, limit }),
+            (None, None) => None,
+            _ => return checkpoint.refuse("the next time step has no known limit"),
+        };
+    }
 }
 
 /// Largest growth from one step to the next.
@@ -127,6 +156,12 @@ pub struct Floor {
 }
 
 impl Floor {
+    /// Puts it into a checkpoint, or takes it from there.
+    pub fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        checkpoint.option("first", &mut self.first);
+        checkpoint.number("below", &mut self.below);
+    }
+
     /// True if the step has been below 1e-6 of the first one for 100 steps.
     pub fn collapsed(&mut self, dt: f64) -> bool {
         let first = *self.first.get_or_insert(dt);

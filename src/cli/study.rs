@@ -1,8 +1,9 @@
 //! `karamelo-rs study`: words of the command line, and what is printed.
 
-use super::{DONE, FILES, INTERRUPTED, RUN_FAILED, WRONG, install_signals, show};
+use super::{DONE, FILES, RUN_FAILED, WRONG, install_signals, show};
 use crate::command::setting::Setting;
 use crate::fault::Fault;
+use crate::interrupt;
 use crate::output::file;
 use crate::study::log::{self, Taken};
 use crate::study::{self, Against, Cost, Request, Stop, Vary, figure, report};
@@ -240,7 +241,7 @@ pub fn run(words: StudyWords) -> u8 {
                 Some(_) => eprintln!("stopped by the user; the same command goes on from here"),
                 None => eprintln!("stopped by the user"),
             }
-            INTERRUPTED
+            interrupt::exit_code_now()
         }
     }
 }

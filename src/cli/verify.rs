@@ -1,6 +1,7 @@
 //! `karamelo-rs verify`: the table of problems.
 
-use super::{DONE, FILES, INTERRUPTED, RUN_FAILED, WRONG, install_signals, show};
+use super::{DONE, FILES, RUN_FAILED, WRONG, install_signals, show};
+use crate::interrupt;
 use crate::study::Stop;
 use crate::verify::breaks::Break;
 use crate::verify::{self, Verdict};
@@ -60,7 +61,7 @@ pub fn run(words: &VerifyWords) -> u8 {
                 failed += usize::from(!verdict.passed);
                 let _ = show(Ok(line(&verdict)));
             }
-            Err(Stop::Interrupted) => return INTERRUPTED,
+            Err(Stop::Interrupted) => return interrupt::exit_code_now(),
             Err(Stop::Files(reason) | Stop::Wrong(reason) | Stop::Failed(reason)) => {
                 eprintln!("{reason}");
                 return FILES;

@@ -1,7 +1,7 @@
 //! `region` and `group`.
 
 use super::scene::{GroupEntry, Scene};
-use super::{Action, action, files};
+use super::{Action, action};
 use crate::fix::GroupKind;
 use crate::model::group::GroupId;
 use crate::region::{REGIONS, RegionContext};
@@ -20,7 +20,7 @@ pub fn region(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnost
     args.expect_usage(row.usage);
     let regions = &scene.regions;
     let find = |name: &Name| regions.find(name).map(|(_, region)| region.clone());
-    let read = |name: &Name| files::read(name, &scene.folder);
+    let read = |name: &Name| scene.read_file(name);
     let region = build(args, &RegionContext { dimension, find: &find, read: &read })?;
     scene.regions.declare(&id, region)?;
     Ok(action(|_| ()))

@@ -70,7 +70,7 @@ fn quantity(
 }
 
 /// Refuses a file whose directory cannot take it.
-fn check_directory(file: &str, span: Span) -> Result<(), Diagnostic> {
+pub(super) fn check_directory(file: &str, span: Span) -> Result<(), Diagnostic> {
     let directory = match Path::new(file).parent() {
         Some(parent) if parent != Path::new("") => parent,
         _ => Path::new("."),

@@ -6,6 +6,7 @@ use super::setting::{self, Change, Setting};
 use super::{Action, COMMANDS, files};
 use crate::script::arguments::{Args, Name};
 use crate::script::diagnostic::{Code, Diagnostic, Severity};
+use crate::script::history::Part;
 use crate::script::scope::{Measure, Scope};
 use crate::script::source::Source;
 use crate::script::suggest;
@@ -23,6 +24,8 @@ pub struct Script {
     pub changes: Vec<Change>,
     /// The smallest cell size of the grid and the solids [L], where the rehearsal came to know one.
     pub cell: Option<f64>,
+    /// Its first run is the rest of one that was stopped.
+    pub finishes_run: bool,
 }
 
 /// What the command line wants otherwise than the script.
@@ -35,6 +38,34 @@ pub struct Wishes<'a> {
     /// `--measure`.
     pub measure: Option<&'a str>,
 }
+
+/// Commands after which a run goes on as if it had never ended: they read, or act on outputs alone.
+/// What a new output needs of particles and nodes is looked at when the run begins.
+const QUIET: [&str; 23] = [
+    "region",
+    "eos",
+    "strength",
+    "damage",
+    "temperature",
+    "material",
+    "compute",
+    "delete_compute",
+    "run",
+    "run_time",
+    "run_while",
+    "run_until",
+    "set_output",
+    "log",
+    "log_modify",
+    "dump",
+    "undump",
+    "plot",
+    "save_plot",
+    "print",
+    "restart",
+    "write_restart",
+    "read_restart",
+];
 
 /// Parses and rehearses a script: all its mistakes and remarks at once. Nothing is written.
 pub fn rehearse(source: Source, variables: &[(String, String)]) -> (Script, Vec<Diagnostic>) {
@@ -57,7 +88,14 @@ pub fn rehearse_with(source: Source, wishes: &Wishes<'_>) -> (Script, Vec<Diagno
         }
     }
     let variables_given = variables.to_vec();
-    let mut script = Script { source, statements, variables: variables_given, changes, cell: None };
+    let mut script = Script {
+        source,
+        statements,
+        variables: variables_given,
+        changes,
+        cell: None,
+        finishes_run: false,
+    };
     let mut scope = match Scope::new(variables) {
         Ok(scope) => scope,
         Err(mistake) => {
@@ -84,6 +122,10 @@ pub fn rehearse_with(source: Source, wishes: &Wishes<'_>) -> (Script, Vec<Diagno
                 found.push(mistake);
             }
             broken.extend(declared(statement));
+            // Without the scene of the file nothing below it is known.
+            if matches!(statement, Statement::Call { name, .. } if name.text == "read_restart") {
+                break;
+            }
         }
     }
     let cells = scene.solids.iter().map(|(_, solid)| solid.cells.cell);
@@ -111,7 +153,10 @@ fn follows(mistake: &Diagnostic, broken: &[String], source: &Source) -> bool {
 }
 
 /// Reads one call with the command's own function.
-fn read(mut args: Args<'_>, scene: &mut Scene) -> Result<(Action, Vec<Diagnostic>), Diagnostic> {
+pub(super) fn read(
+    mut args: Args<'_>,
+    scene: &mut Scene,
+) -> Result<(Action, Vec<Diagnostic>), Diagnostic> {
     let name = args.command;
     let Some(command) = COMMANDS.iter().find(|command| command.name == name.text) else {
         let known = COMMANDS.iter().map(|command| command.name);
@@ -128,6 +173,7 @@ fn read(mut args: Args<'_>, scene: &mut Scene) -> Result<(Action, Vec<Diagnostic
         );
     };
     args.expect_usage(command.usage);
+    scene.calls += 1;
     let action = read(&mut args, scene)?;
     Ok((action, args.finish()?))
 }
@@ -140,7 +186,17 @@ fn read(mut args: Args<'_>, scene: &mut Scene) -> Result<(Action, Vec<Diagnostic
 pub fn perform(script: &Script, session: &mut Session) -> Result<(), Stop> {
     let mut scope = Scope::new(&script.variables).map_err(|mistake| Stop::Script(vec![mistake]))?;
     let mut scene = Scene { folder: files::folder(&script.source), ..Scene::default() };
+    session.simulation.history.begin(Part {
+        name: script.source.name.clone(),
+        text: script.source.text.clone(),
+        variables: script.variables.clone(),
+        ..Part::default()
+    });
+    session.finishes_run = script.finishes_run;
     for statement in &script.statements {
+        if let Some(part) = session.simulation.history.current() {
+            part.performed += 1;
+        }
         match statement {
             Statement::Assign { name, value } => {
                 let measure: &mut dyn Measure = session;
@@ -151,7 +207,13 @@ pub fn perform(script: &Script, session: &mut Session) -> Result<(), Stop> {
             Statement::Call { name, arguments, span } => {
                 let action = reading(name, *span, arguments, &mut scope, session, &mut scene)?;
                 session.quantities = scope.quantities().to_vec();
+                if let Some(part) = session.simulation.history.current() {
+                    part.files.clone_from(&scene.files.borrow());
+                }
                 action(session)?;
+                if !QUIET.contains(&name.text.as_str()) {
+                    session.simulation.disturb();
+                }
             }
             Statement::Quit { .. } => break,
         }

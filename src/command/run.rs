@@ -113,7 +113,11 @@ fn perform(until: Until) -> Action {
     Box::new(move |session: &mut Session| -> Result<(), Stop> {
         session.simulation.quantities.clone_from(&session.quantities);
         let simulation = &mut session.simulation;
-        let limit = simulation.stable_limit()?;
+        // A run that goes on with the last one has had its warning.
+        let limit = match simulation.goes_on_with_last_run() {
+            true => None,
+            false => simulation.stable_limit()?,
+        };
         if let (Some(dt), Some(limit)) = (simulation.fixed_dt, limit)
             && dt > TOLERATED * limit.dt
         {
@@ -136,7 +140,10 @@ fn perform(until: Until) -> Action {
             }
             return Ok(());
         }
-        session.simulation.run(until)?;
+        match std::mem::take(&mut session.finishes_run) {
+            true => session.simulation.finish(&until)?,
+            false => session.simulation.go_on(&until)?,
+        }
         if session.simulation.interrupted { Err(Stop::Interrupted) } else { Ok(()) }
     })
 }

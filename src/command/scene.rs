@@ -1,6 +1,7 @@
 //! What the statements read so far have declared.
 
 use super::contact::ContactEntry;
+use super::files;
 use super::method::Choice;
 use crate::damage::Damage;
 use crate::eos::Eos;
@@ -16,6 +17,7 @@ use crate::script::suggest;
 use crate::simulation::fill::Filling;
 use crate::strength::Strength;
 use crate::temperature::Temperature;
+use std::cell::RefCell;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -177,6 +179,10 @@ pub struct Scene {
     pub runs: usize,
     /// Commands a run needs that have been tried, well or not.
     pub tried: Vec<&'static str>,
+    /// Number of calls so far, this one among them.
+    pub calls: usize,
+    /// Names and CRC-32 of the files read so far.
+    pub files: RefCell<Vec<(String, u32)>>,
 }
 
 impl Default for Scene {
@@ -206,6 +212,8 @@ impl Default for Scene {
             fixed_dt: false,
             runs: 0,
             tried: Vec::new(),
+            calls: 0,
+            files: RefCell::default(),
         }
     }
 }
@@ -216,6 +224,16 @@ fn reported_above(at: &Name) -> Diagnostic {
 }
 
 impl Scene {
+    /// The bytes of a file that a statement names.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn read_file(&self, name: &Name) -> Result<Vec<u8>, Diagnostic> {
+        let bytes = files::read(name, &self.folder)?;
+        self.files.borrow_mut().push((name.text.clone(), crc32fast::hash(&bytes)));
+        Ok(bytes)
+    }
+
     /// The box, which `dimension` must have given above.
     ///
     /// # Errors

@@ -54,6 +54,8 @@ pub struct Session {
     pub processes: Vec<usize>,
     /// Where `set_dt` stands.
     pub fixed_dt_span: Span,
+    /// The next run is the rest of one that was stopped.
+    pub finishes_run: bool,
 }
 
 impl Session {
@@ -69,6 +71,7 @@ impl Session {
             echo: false,
             processes: Vec::new(),
             fixed_dt_span: Span::default(),
+            finishes_run: false,
         }
     }
 
@@ -101,11 +104,16 @@ impl Session {
 
 impl Measure for Session {
     fn measure(&mut self, quantity: &Quantity) -> f64 {
-        self.simulation.measure(quantity)
+        let value = self.simulation.measure(quantity);
+        self.simulation.history.note(value);
+        value
     }
 
-    fn now(&self) -> Instant {
+    fn now(&mut self) -> Instant {
         let clock = self.simulation.clock;
+        for value in [clock.time, clock.dt, clock.step as f64] {
+            self.simulation.history.note(value);
+        }
         Instant { time: clock.time, dt: clock.dt, step: clock.step }
     }
 }

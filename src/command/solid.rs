@@ -3,7 +3,7 @@
 use super::domain::check_cells;
 use super::method::{Choice, check_domain, check_nodes};
 use super::scene::{Scene, SolidEntry};
-use super::{Action, action, files};
+use super::{Action, action};
 use crate::geometry::{Mistake, Point, Points, gmsh, list};
 use crate::memory;
 use crate::method::Method;
@@ -186,7 +186,7 @@ fn read_body(
 ) -> Result<Body, Diagnostic> {
     if form == Form::Mesh || form == Form::List {
         let name = args.word("a file name")?;
-        let bytes = files::read(&name, &scene.folder)?;
+        let bytes = scene.read_file(&name)?;
         let points = match form {
             Form::Mesh => gmsh::read(&bytes, dimension).and_then(|mesh| mesh.points()),
             _ => list::read(&bytes, dimension),

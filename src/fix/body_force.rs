@@ -4,6 +4,7 @@ use super::components::{Components, of_particles};
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
 use crate::math::exact_sum::VectorSum;
+use crate::model::checkpoint::Checkpoint;
 use crate::model::column::Column;
 use crate::model::group::GroupId;
 use crate::plan::Plan;
@@ -70,6 +71,10 @@ impl Fix for BodyForce {
             true => self.push_particles(step, &now),
             false => self.push_nodes(step, &now),
         }
+    }
+
+    fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        checkpoint.vector("total", &mut self.total);
     }
 
     fn results(&self, world: &World) -> [f64; 4] {

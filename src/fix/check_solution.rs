@@ -4,6 +4,7 @@ use super::components::{Components, of_particles};
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
 use crate::math::exact_sum::ExactSum;
+use crate::model::checkpoint::Checkpoint;
 use crate::model::column::Column;
 use crate::model::group::GroupId;
 use crate::plan::Plan;
@@ -84,6 +85,13 @@ impl Fix for CheckSolution {
                 }
             }
         })
+    }
+
+    fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        checkpoint.sum("now", &mut self.now);
+        checkpoint.sum("volume", &mut self.volume);
+        checkpoint.sum("error", &mut self.error);
+        checkpoint.sum("norm", &mut self.norm);
     }
 
     fn results(&self, world: &World) -> [f64; 4] {

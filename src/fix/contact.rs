@@ -7,6 +7,7 @@ use super::{Fix, Target};
 use crate::fault::Fault;
 use crate::kernel::pairs::{PairLaw, Pairs, Totals};
 use crate::math::exact_sum::ExactSum;
+use crate::model::checkpoint::Checkpoint;
 use crate::model::column::Column;
 use crate::plan::Plan;
 use crate::step::{Stage, Step};
@@ -86,6 +87,17 @@ impl<S: ContactStyle> Fix for Contact<S> {
 
     fn largest_step(&self) -> f64 {
         largest_step(self.totals.rate)
+    }
+
+    fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        let Totals { force, rate, pushed } = &mut self.totals;
+        checkpoint.vector("force", force);
+        checkpoint.number("rate", rate);
+        let mut count = *pushed as u64;
+        checkpoint.number("pushed", &mut count);
+        *pushed = count as usize;
+        checkpoint.number("longest", &mut self.longest);
+        checkpoint.sum("heat", &mut self.heat);
     }
 
     fn results(&self, world: &World) -> [f64; 4] {

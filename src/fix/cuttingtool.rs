@@ -3,6 +3,7 @@
 use super::push::{Numbers, Pushed, Thrust};
 use super::{BuildFix, Fix, GroupKind, Target};
 use crate::fault::Fault;
+use crate::model::checkpoint::Checkpoint;
 use crate::model::column::Column;
 use crate::plan::Plan;
 use crate::script::arguments::Args;
@@ -209,6 +210,10 @@ impl Fix for CuttingTool {
 
     fn largest_step(&self) -> f64 {
         self.pushed.largest_step()
+    }
+
+    fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        self.pushed.keep(checkpoint);
     }
 
     fn results(&self, world: &World) -> [f64; 4] {

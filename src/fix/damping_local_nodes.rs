@@ -3,6 +3,7 @@
 use super::damping_nodes::Taken;
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
+use crate::model::checkpoint::Checkpoint;
 use crate::model::group::GroupId;
 use crate::step::{Stage, Step};
 use crate::style::Style;
@@ -62,6 +63,10 @@ impl Fix for DampingLocalNodes {
             }
         }
         Ok(())
+    }
+
+    fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        self.taken.keep(checkpoint);
     }
 
     fn results(&self, world: &World) -> [f64; 4] {

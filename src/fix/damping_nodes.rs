@@ -4,6 +4,7 @@ use super::components::Components;
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
 use crate::math::exact_sum::{ExactSum, VectorSum};
+use crate::model::checkpoint::Checkpoint;
 use crate::model::group::GroupId;
 use crate::parallel::Ranks;
 use crate::plan::Plan;
@@ -47,6 +48,12 @@ pub struct Taken {
 }
 
 impl Taken {
+    /// Puts it into a checkpoint, or takes it from there.
+    pub fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        checkpoint.vector("force", &mut self.force);
+        checkpoint.sum("energy", &mut self.energy);
+    }
+
     /// Forgets the force of the last step.
     pub fn begin(&mut self) {
         self.force.clear();
@@ -107,6 +114,10 @@ impl Fix for DampingNodes {
                 }
             },
         )
+    }
+
+    fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        self.taken.keep(checkpoint);
     }
 
     fn results(&self, world: &World) -> [f64; 4] {

@@ -4,6 +4,7 @@ use super::components::Components;
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
 use crate::math::exact_sum::VectorSum;
+use crate::model::checkpoint::Checkpoint;
 use crate::model::group::GroupId;
 use crate::plan::Plan;
 use crate::script::formula::{Formula, Instant};
@@ -73,6 +74,10 @@ impl Fix for ForceNodes {
                 }
             },
         )
+    }
+
+    fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        checkpoint.vector("total", &mut self.total);
     }
 
     fn results(&self, world: &World) -> [f64; 4] {

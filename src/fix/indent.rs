@@ -3,6 +3,7 @@
 use super::push::{Numbers, Pushed, Thrust};
 use super::{BuildFix, Fix, GroupKind, Target};
 use crate::fault::Fault;
+use crate::model::checkpoint::Checkpoint;
 use crate::plan::Plan;
 use crate::script::arguments::Args;
 use crate::script::diagnostic::{Code, Diagnostic};
@@ -127,6 +128,10 @@ impl Fix for Indent {
 
     fn largest_step(&self) -> f64 {
         self.pushed.largest_step()
+    }
+
+    fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        self.pushed.keep(checkpoint);
     }
 
     fn results(&self, world: &World) -> [f64; 4] {

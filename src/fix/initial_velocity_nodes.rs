@@ -3,6 +3,7 @@
 use super::components::Components;
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
+use crate::model::checkpoint::Checkpoint;
 use crate::model::group::GroupId;
 use crate::plan::Plan;
 use crate::script::formula::{Formula, Instant};
@@ -48,6 +49,10 @@ impl Fix for InitialVelocityNodes {
 
     fn formulas(&self) -> Vec<&Formula> {
         self.velocity.formulas()
+    }
+
+    fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        checkpoint.option("acts_in", &mut self.acts_in);
     }
 
     fn apply(&mut self, stage: Stage, step: &mut Step<'_>) -> Result<(), Fault> {

@@ -3,6 +3,7 @@
 use super::contact::largest_step;
 use crate::fault::Fault;
 use crate::math::exact_sum::{ExactSum, VectorSum};
+use crate::model::checkpoint::Checkpoint;
 use crate::model::clock::Clock;
 use crate::model::column::Column;
 use crate::model::group::GroupId;
@@ -123,6 +124,15 @@ impl Pushed {
         self.forces.clear();
         self.forces.extend(records.iter().map(|[id, x, y, z]| (*id as u32, [*x, *y, *z])));
         self.forces.sort_unstable_by_key(|(id, _)| *id);
+    }
+
+    /// Puts into a checkpoint, or takes from it, what the next step reads. The forces do not live
+    /// that long.
+    pub fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        checkpoint.vector("total", &mut self.total);
+        checkpoint.sum("work", &mut self.work);
+        checkpoint.number("rate", &mut self.rate);
+        checkpoint.number("before", &mut self.before);
     }
 
     /// Largest stable step \[T\].

@@ -4,6 +4,7 @@ use super::components::Components;
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
 use crate::math::exact_sum::ExactSum;
+use crate::model::checkpoint::Checkpoint;
 use crate::model::group::GroupId;
 use crate::plan::Plan;
 use crate::script::arguments::Place;
@@ -135,6 +136,12 @@ impl Fix for TemperatureNodes {
             _ if self.start.is_empty() => Ok(()),
             _ => self.end(step),
         }
+    }
+
+    fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        checkpoint.sum("given", &mut self.given);
+        checkpoint.number("dt", &mut self.dt);
+        checkpoint.sum("total", &mut self.total);
     }
 
     fn results(&self, world: &World) -> [f64; 4] {

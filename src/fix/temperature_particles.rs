@@ -4,6 +4,7 @@ use super::components::{Components, of_particles};
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
 use crate::math::exact_sum::ExactSum;
+use crate::model::checkpoint::Checkpoint;
 use crate::model::column::Column;
 use crate::model::group::GroupId;
 use crate::model::particles::Particles;
@@ -98,6 +99,12 @@ impl Fix for TemperatureParticles {
         );
         particles.columns[Column::Temperature as usize] = temperature;
         done
+    }
+
+    fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        checkpoint.sum("given", &mut self.given);
+        checkpoint.number("dt", &mut self.dt);
+        checkpoint.sum("total", &mut self.total);
     }
 
     fn results(&self, world: &World) -> [f64; 4] {

@@ -4,6 +4,7 @@ use super::components::Components;
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
 use crate::math::exact_sum::VectorSum;
+use crate::model::checkpoint::Checkpoint;
 use crate::model::group::GroupId;
 use crate::plan::Plan;
 use crate::script::formula::{Formula, Instant};
@@ -117,6 +118,10 @@ impl Fix for VelocityNodes {
             Stage::PostUpdateGridState => self.prescribe(step),
             _ => self.prescribe_mapped(step),
         }
+    }
+
+    fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        checkpoint.vector("reaction", &mut self.reaction);
     }
 
     fn results(&self, world: &World) -> [f64; 4] {

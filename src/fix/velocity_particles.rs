@@ -4,6 +4,7 @@ use super::components::{Components, of_particles};
 use super::{BuildFix, Fix, GroupKind};
 use crate::fault::Fault;
 use crate::math::exact_sum::VectorSum;
+use crate::model::checkpoint::Checkpoint;
 use crate::model::group::GroupId;
 use crate::model::particles::Particles;
 use crate::plan::Plan;
@@ -85,6 +86,10 @@ impl Fix for VelocityParticles {
                 }
             }
         })
+    }
+
+    fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        checkpoint.vector("force", &mut self.force);
     }
 
     fn results(&self, world: &World) -> [f64; 4] {

@@ -67,6 +67,8 @@ struct Places<'a> {
     particles: &'a Particles,
     solids: &'a [Solid],
     total: bool,
+    /// The cells of an earlier sort, which count in place of those of the places.
+    cells: Option<&'a [[u32; 3]]>,
 }
 
 impl Places<'_> {
@@ -77,6 +79,14 @@ impl Places<'_> {
     fn of(&self, p: usize) -> [f64; 4] {
         self.particles.places(self.total)[p]
     }
+
+    /// The cell that a particle is sorted by.
+    fn cell(&self, order: &Order, lattice: &Lattice, p: usize) -> [usize; 3] {
+        match self.cells {
+            Some(cells) => cells[p].map(|cell| cell as usize),
+            None => order.cell_of(&lattice.cells, self.of(p)),
+        }
+    }
 }
 
 impl Sorter {
@@ -84,12 +94,43 @@ impl Sorter {
     /// the windows to them. All nodal values are zero then, but those that outlive a step: the external
     /// force and the place of a node.
     pub fn sort(&mut self, world: &mut World, tiles: &mut Tiles) {
+        self.sort_by(world, tiles, None);
+    }
+
+    /// Brings back what the sort left that found these cells, whatever the places are now; corners
+    /// of domains were allowed to lie `corners` cells away.
+    pub fn restore(
+        &mut self,
+        world: &mut World,
+        tiles: &mut Tiles,
+        cells: &[[u32; 3]],
+        corners: usize,
+    ) {
+        self.sort_by(world, tiles, Some((cells, corners)));
+    }
+
+    /// The cell that each particle had in the last sort.
+    pub fn cells(&self) -> Vec<[u32; 3]> {
+        let cell = |key: &Key| {
+            let order = &self.orders[(key.group & 0xffff) as usize];
+            order.cell((key.tile >> 16) as usize, key.within as usize).map(|cell| cell as u32)
+        };
+        self.keys.iter().map(cell).collect()
+    }
+
+    fn sort_by(
+        &mut self,
+        world: &mut World,
+        tiles: &mut Tiles,
+        restored: Option<(&[[u32; 3]], usize)>,
+    ) {
         let World { particles, solids, grid, method, ranks, .. } = &mut *world;
         let lattices = &grid.lattices;
         let (total, shape) = (method.total, method.shape);
         let mut orders = std::mem::take(&mut self.orders);
-        tiles.corners = match shape {
-            ShapeKind::Corners(_) => {
+        tiles.corners = match (shape, restored) {
+            (_, Some((_, corners))) => corners,
+            (ShapeKind::Corners(_), None) => {
                 let farthest = farthest_corner(particles, lattices, shape, solids);
                 let [farthest] = ranks.largest([farthest]);
                 corner_cells(farthest)
@@ -101,9 +142,12 @@ impl Sorter {
         orders.extend(lattices.iter().map(|lattice| Order::new(&lattice.cells, side)));
         let scene = Scene { orders: &orders, lattices, solids, total, side };
         self.deal.deal(particles, &scene, ranks);
-        self.order(&orders, lattices, &Places { particles, solids, total }, tiles);
+        let cells = restored.map(|(cells, _)| cells);
+        self.order(&orders, lattices, &Places { particles, solids, total, cells }, tiles);
         self.permute(particles, tiles.parallel);
-        let places = Places { particles, solids, total };
+        let cells: Option<Vec<[u32; 3]>> =
+            cells.map(|cells| self.keys.iter().map(|key| cells[key.from as usize]).collect());
+        let places = Places { particles, solids, total, cells: cells.as_deref() };
         self.find_bounds(&orders, lattices, &places, tiles.parallel);
         let movement = if total { 0 } else { 1 };
         let reach = Reach { shape, movement, corners: tiles.corners };
@@ -151,7 +195,7 @@ impl Sorter {
         let key = |from: usize| {
             let lattice = places.lattice(from);
             let order = &orders[lattice];
-            let cell = order.cell_of(&lattices[lattice].cells, places.of(from));
+            let cell = places.cell(order, &lattices[lattice], from);
             let (colour, tile) = order.tile(cell);
             Key {
                 group: (colour as u32) << 16 | lattice as u32,
@@ -218,7 +262,7 @@ impl Sorter {
         let count = places.particles.len();
         let of = |p: usize| {
             let lattice = places.lattice(p);
-            let cell = orders[lattice].cell_of(&lattices[lattice].cells, places.of(p));
+            let cell = places.cell(&orders[lattice], &lattices[lattice], p);
             (lattice, [cell, cell])
         };
         self.bounds.clear();
@@ -513,7 +557,7 @@ fn mark_cells(
         if places.lattice(p) != number {
             continue;
         }
-        let cell = order.cell_of(&lattice.cells, places.of(p));
+        let cell = places.cell(order, lattice, p);
         if cell != last {
             last = cell;
             marks[index(size, std::array::from_fn(|axis| cell[axis] - low[axis]))] = 1;

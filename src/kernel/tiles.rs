@@ -324,6 +324,15 @@ impl Order {
         [first, (first + self.side).min(self.cells[axis]) - 1]
     }
 
+    /// The cell of such numbers.
+    pub fn cell(&self, tile: usize, within: usize) -> [usize; 3] {
+        let [_, _, up] = self.cells;
+        let corner = [tile / self.tiles_across, tile % self.tiles_across];
+        let inside = [within / up / self.side, within / up % self.side];
+        let [x, y] = std::array::from_fn(|axis| corner[axis] * self.side + inside[axis]);
+        [x, y, within % up]
+    }
+
     /// Number of the cell within its tile.
     pub fn within(&self, cell: [usize; 3]) -> usize {
         let side = self.side;
@@ -347,6 +356,17 @@ impl Order {
 mod tests {
     use super::*;
     use crate::shape::{DomainKind, SHAPES};
+
+    #[test]
+    fn a_cell_follows_from_its_numbers() {
+        let (lower, upper) = ([0.0; 3], [1.7, 0.9, 0.5]);
+        let domain = Domain { dimension: 3, lower, upper, cell: 0.1 };
+        let order = Order::new(&domain, 4);
+        for cell in [[0, 0, 0], [16, 8, 4], [3, 4, 2], [4, 3, 1], [7, 8, 0]] {
+            let (_, tile) = order.tile(cell);
+            assert_eq!(order.cell(tile, order.within(cell)), cell);
+        }
+    }
 
     #[test]
     fn tiles_of_one_colour_share_no_node_after_a_cell_of_movement() {

@@ -1,5 +1,6 @@
 //! Multi-field contact: which solids have velocities of their own on the grid, and where they meet.
 
+use super::checkpoint::Checkpoint;
 use crate::math::exact_sum::{ExactSum, VectorSum};
 
 /// What happens at a node where two bodies approach each other.
@@ -89,6 +90,16 @@ pub struct Contacts {
 }
 
 impl Contacts {
+    /// Puts what the contacts have done into a checkpoint, or takes it from there.
+    pub fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        for contact in &mut self.list {
+            checkpoint.within(&contact.name, |inside| {
+                inside.vector("force", &mut contact.force);
+                inside.sum("heat", &mut contact.heat);
+            });
+        }
+    }
+
     /// Is every body on the one grid?
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()

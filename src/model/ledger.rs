@@ -1,5 +1,6 @@
 //! Where the energy of a run goes.
 
+use super::checkpoint::Checkpoint;
 use crate::math::exact_sum::ExactSum;
 use crate::parallel::Ranks;
 
@@ -159,6 +160,61 @@ impl Ledger {
         }
         self.strain = strain;
         self.fit(nodes, particles);
+    }
+
+    /// Puts it into a checkpoint, or takes it from there.
+    pub fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        checkpoint.flag("open", &mut self.open);
+        let Self { sums, start, largest, strain, residual, .. } = self;
+        let mut numbers = [*start, *largest, *strain, *residual];
+        checkpoint.numbers("numbers", &mut numbers);
+        [*start, *largest, *strain, *residual] = numbers;
+        let Books {
+            stored,
+            plastic,
+            viscous,
+            damage,
+            friction,
+            damping,
+            heat,
+            external,
+            boundary,
+            numerical,
+            nodal,
+        } = &mut self.books;
+        for (name, sum) in [
+            ("stored", stored),
+            ("plastic", plastic),
+            ("viscous", viscous),
+            ("damage", damage),
+            ("friction", friction),
+            ("damping", damping),
+            ("heat", heat),
+            ("external", external),
+            ("boundary", boundary),
+            ("numerical", numerical),
+            ("nodal", nodal),
+        ] {
+            checkpoint.sum(&format!("books/{name}"), sum);
+        }
+        let terms = [
+            &mut sums.kinetic,
+            &mut sums.stored,
+            &mut sums.plastic,
+            &mut sums.viscous,
+            &mut sums.damage,
+            &mut sums.friction,
+            &mut sums.damping,
+            &mut sums.heat,
+            &mut sums.external,
+            &mut sums.boundary,
+            &mut sums.numerical,
+        ];
+        let mut values = terms.each_ref().map(|term| **term);
+        checkpoint.numbers("sums", &mut values);
+        for (term, value) in terms.into_iter().zip(values) {
+            *term = value;
+        }
     }
 
     /// Closes the ledger and gives its memory back.

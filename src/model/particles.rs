@@ -1,11 +1,15 @@
 //! The table of particles.
 
+use super::checkpoint::Checkpoint;
 use super::column::{COLUMNS, Column, ColumnSet};
 use super::group::{GroupId, Groups, Members};
 use crate::geometry::element::MOST_CORNERS;
 
 /// Most records of the domain of a particle: the corners of a hexahedron.
 pub const DOMAIN_RECORDS: usize = MOST_CORNERS;
+
+/// Most words of group bits that a checkpoint may have.
+const MOST_MASKS: u64 = 1 << 16;
 
 /// All particles, one row each; columns of the same length or empty where the scene needs none.
 #[derive(Clone, Default)]
@@ -240,6 +244,52 @@ impl Particles {
         for words in &mut self.masks {
             filter(words, keep);
         }
+    }
+
+    /// Puts all columns into a checkpoint, or takes them from there. What a step adds to domains
+    /// does not outlive it.
+    pub fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        checkpoint.column("id", &mut self.id);
+        checkpoint.column("solid", &mut self.solid);
+        checkpoint.records("position", &mut self.position);
+        checkpoint.records("velocity", &mut self.velocity);
+        checkpoint.records("displacement", &mut self.displacement);
+        checkpoint.records("reference", &mut self.reference);
+        for (number, records) in self.matrix.iter_mut().enumerate() {
+            checkpoint.records(&format!("matrix{number}"), records);
+        }
+        for (number, records) in self.domain.iter_mut().enumerate() {
+            checkpoint.records(&format!("domain{number}"), records);
+        }
+        for column in Column::ALL {
+            checkpoint.column(column.info().name, &mut self.columns[column as usize]);
+        }
+        let mut count = self.masks.len() as u64;
+        checkpoint.number("groups", &mut count);
+        self.masks.resize(count.min(MOST_MASKS) as usize, Vec::new());
+        for (number, words) in self.masks.iter_mut().enumerate() {
+            checkpoint.column(&format!("groups{number}"), words);
+        }
+        if checkpoint.is_loading() {
+            self.carried = Default::default();
+            self.present = ColumnSet::default();
+            let there = |column: &Column| !self.columns[*column as usize].is_empty();
+            self.present.extend(&Column::ALL.into_iter().filter(there).collect::<Vec<_>>());
+            if !self.is_even() {
+                checkpoint.refuse("the columns of the particles differ in length");
+            }
+        }
+    }
+
+    /// Has every column one row for each particle, or none?
+    fn is_even(&mut self) -> bool {
+        let count = self.len();
+        let all = [self.position.len(), self.velocity.len(), self.displacement.len()];
+        let same = |length: usize| length == count;
+        all.into_iter().chain([self.solid.len()]).all(same)
+            && self.records_mut().all(|records| same(records.len()))
+            && self.masks.iter().all(|words| same(words.len()))
+            && self.columns.iter().all(|column| column.is_empty() || same(column.len()))
     }
 
     /// Bytes that one particle takes.

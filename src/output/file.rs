@@ -10,6 +10,10 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// The path and the system's reason.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
+    // A device or pipe takes the bytes itself: nothing may take its name.
+    if fs::metadata(path).is_ok_and(|entry| !entry.is_file() && !entry.is_dir()) {
+        return fs::write(path, bytes).map_err(|reason| Fault::file(path, &reason));
+    }
     let temporary = temporary(path);
     let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
     written.map_err(|reason| {
@@ -28,6 +32,30 @@ pub fn append(path: &Path, bytes: &[u8], first: bool) -> Result<(), Fault> {
     options.create(true).write(true).truncate(first).append(!first);
     let written = options.open(path).and_then(|mut file| file.write_all(bytes));
     written.map_err(|reason| Fault::file(path, &reason))
+}
+
+/// Adds to a file of which the first `length` bytes stay; 0 begins it anew. Gives its new length. If
+/// the bytes cannot be written, the file is as before.
+///
+/// # Errors
+/// The path and the system's reason, or that the file has fewer bytes than that.
+pub fn grow(path: &Path, bytes: &[u8], length: u64) -> Result<u64, Fault> {
+    let fault = |reason: &std::io::Error| Fault::file(path, reason);
+    let mut options = OpenOptions::new();
+    let mut file = options.create(true).append(true).open(path).map_err(|e| fault(&e))?;
+    let found = file.metadata().map_err(|e| fault(&e))?.len();
+    // A file that is gone or empty begins anew.
+    let length = if found == 0 { 0 } else { length };
+    if found < length {
+        let reason = format!("it has {found} bytes where {length} were written before");
+        return Err(fault(&std::io::Error::other(reason)));
+    }
+    let written = file.set_len(length).and_then(|()| file.write_all(bytes));
+    written.map_err(|reason| {
+        let _ = file.set_len(length);
+        fault(&reason)
+    })?;
+    Ok(length + bytes.len() as u64)
 }
 
 /// `dir/.name.part` for `dir/name`.
@@ -51,11 +79,39 @@ mod tests {
     }
 
     #[test]
+    fn devices_are_written_to_and_not_replaced() {
+        write_whole(Path::new("/dev/null"), b"all of it").unwrap();
+        let full = Path::new("/dev/full");
+        if full.exists() {
+            assert!(
+                write_whole(full, b"all").unwrap_err().what.contains("cannot write `/dev/full`")
+            );
+            assert!(!fs::metadata(full).unwrap().is_file());
+        }
+    }
+
+    #[test]
     fn a_vanished_directory_is_named() {
         let path = Path::new("/nowhere/at/all/a.txt");
         let fault = write_whole(path, b"").unwrap_err();
         assert!(fault.what.contains("/nowhere/at/all/a.txt"), "{}", fault.what);
         assert_eq!(append(path, b"", true).unwrap_err().kind, crate::fault::FaultKind::File);
+    }
+
+    #[test]
+    fn what_stands_beyond_the_known_length_is_written_once_more() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("c.txt");
+        let length = grow(&path, b"one ", 0).unwrap();
+        assert_eq!(grow(&path, b"two ", length).unwrap(), 8);
+        assert_eq!(grow(&path, b"2 ", length).unwrap(), 6);
+        assert_eq!(fs::read(&path).unwrap(), b"one 2 ");
+        let fault = grow(&path, b"three", 7).unwrap_err();
+        assert!(fault.what.contains("has 6 bytes where 7"), "{}", fault.what);
+        fs::remove_file(&path).unwrap();
+        assert_eq!(grow(&path, b"anew", 6).unwrap(), 4);
+        assert_eq!(grow(&path, b"again", 0).unwrap(), 5);
+        assert_eq!(fs::read(&path).unwrap(), b"again");
     }
 
     #[test]

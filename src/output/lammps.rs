@@ -2,6 +2,7 @@
 
 use super::{file, gzip, number};
 use crate::fault::Fault;
+use crate::model::checkpoint::Checkpoint;
 use crate::world::World;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -183,13 +184,14 @@ impl Table<'_> {
 pub struct Series {
     pattern: String,
     format: Format,
-    started: bool,
+    /// Bytes that the growing file has.
+    length: u64,
 }
 
 impl Series {
     /// Files of a pattern.
     pub fn new(pattern: &str, format: Format) -> Self {
-        Self { pattern: pattern.to_string(), format, started: false }
+        Self { pattern: pattern.to_string(), format, length: 0 }
     }
 
     /// Writes a snapshot; gives the file.
@@ -206,10 +208,15 @@ impl Series {
         if self.pattern.contains('*') {
             file::write_whole(&path, &bytes)?;
         } else {
-            file::append(Path::new(&path), &bytes, !self.started)?;
+            self.length = file::grow(Path::new(&path), &bytes, self.length)?;
         }
-        self.started = true;
         Ok(path)
+    }
+
+    /// Puts the end of a growing file into a checkpoint, or takes it from there: what was written
+    /// beyond it is written once more.
+    pub fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        checkpoint.number("length", &mut self.length);
     }
 }
 

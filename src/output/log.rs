@@ -29,6 +29,8 @@ const SCREEN_WIDTH: usize = 14;
 pub struct Log {
     path: Option<PathBuf>,
     file: Option<BufWriter<File>>,
+    /// The file is added to, not begun anew.
+    goes_on: bool,
     screen: bool,
     progress: Option<ProgressBar>,
 }
@@ -36,7 +38,12 @@ pub struct Log {
 impl Log {
     /// A log in a file and, unless it is to be quiet, on the screen.
     pub fn new(path: Option<PathBuf>, screen: bool) -> Self {
-        Self { path, file: None, screen, progress: None }
+        Self { path, file: None, goes_on: false, screen, progress: None }
+    }
+
+    /// The file is added to where it ends.
+    pub fn continue_file(&mut self) {
+        self.goes_on = true;
     }
 
     /// Does nobody see or keep the log?
@@ -76,7 +83,7 @@ impl Log {
             return Ok(());
         };
         if self.file.is_none() {
-            file::append(path, b"", true)?;
+            file::append(path, b"", !self.goes_on)?;
             let opened = File::options().append(true).open(path);
             self.file = Some(BufWriter::new(opened.map_err(|reason| Fault::file(path, &reason))?));
         }

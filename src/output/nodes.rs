@@ -4,6 +4,7 @@ use super::lammps::{Format, Series, Table, Values, corners};
 use super::{BuildDump, Dump, DumpTarget, Snapshot};
 use crate::fault::Fault;
 use crate::fix::GroupKind;
+use crate::model::checkpoint::Checkpoint;
 use crate::model::group::{Group, GroupId};
 use crate::plan::Plan;
 use crate::script::arguments::Args;
@@ -87,6 +88,10 @@ impl Dump for GridDump {
 
     fn shows_nodes(&self) -> bool {
         true
+    }
+
+    fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        self.series.keep(checkpoint);
     }
 
     fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<PathBuf, Fault> {

@@ -7,6 +7,7 @@ use crate::fix::GroupKind;
 use crate::material::state::{PLACES, STRESS, SYMMETRIC};
 use crate::material::{Lane, NOTHING};
 use crate::math::tensor::{Tensor, rotation};
+use crate::model::checkpoint::Checkpoint;
 use crate::model::column::Column;
 use crate::model::group::GroupId;
 use crate::plan::Plan;
@@ -176,6 +177,10 @@ impl Dump for ParticleDump {
                 _ => {}
             }
         }
+    }
+
+    fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        self.series.keep(checkpoint);
     }
 
     fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<PathBuf, Fault> {

@@ -1,8 +1,10 @@
 //! What is written when.
 
 use super::log::{Cell, Log};
+use super::restart::Schedule;
 use super::{Dump, LogColumn, Snapshot, number, plot};
 use crate::fault::Fault;
+use crate::model::checkpoint::Checkpoint;
 use crate::plan::Plan;
 use crate::script::formula::{Board, Formula, Instant, Slot};
 use crate::timing::Timing;
@@ -55,6 +57,8 @@ pub struct Outputs {
     dumps: Vec<DumpEntry>,
     curves: Vec<Curve>,
     figure: Option<PathBuf>,
+    /// When restart files are written.
+    restart: Option<Schedule>,
     written: Vec<Written>,
     /// Start of the run and step number then.
     run: Option<(time::Instant, u64)>,
@@ -80,6 +84,7 @@ impl Outputs {
             dumps: Vec::new(),
             curves: Vec::new(),
             figure: None,
+            restart: None,
             written: Vec::new(),
             run: None,
             whole: time::Instant::now(),
@@ -135,6 +140,54 @@ impl Outputs {
     /// Names the file of the figure, which every end of a run writes anew.
     pub fn save_plot(&mut self, file: &str) {
         self.figure = Some(PathBuf::from(file));
+    }
+
+    /// Restart files every so many steps; 0: none.
+    pub fn set_restart(&mut self, interval: u64, file: &str) {
+        let schedule = Schedule { interval, file: file.to_string(), last: None };
+        self.restart = (interval > 0).then_some(schedule);
+    }
+
+    /// The restart file that is due after a step.
+    pub fn restart_due(&mut self, step: u64) -> Option<PathBuf> {
+        let schedule = self.restart.as_mut().filter(|schedule| schedule.due(step))?;
+        schedule.last = Some(step);
+        Some(super::restart::path(&schedule.file, step))
+    }
+
+    /// Notes a file among those written.
+    pub fn note_file(&mut self, path: &std::path::Path, step: u64) {
+        note(&mut self.written, path, step);
+    }
+
+    /// The log file, if there is one.
+    pub fn log_path(&self) -> Option<&std::path::Path> {
+        self.log.path().map(PathBuf::as_path)
+    }
+
+    /// The log goes on where the file ends.
+    pub fn continue_log(&mut self) {
+        self.log.continue_file();
+    }
+
+    /// Puts into a checkpoint, or takes from it, what has been written when.
+    pub fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        checkpoint.option("last_row", &mut self.last_row);
+        for entry in &mut self.dumps {
+            checkpoint.within(&format!("dump/{}", entry.id), |inside| {
+                inside.option("last", &mut entry.last);
+                entry.dump.keep(inside);
+            });
+        }
+        for curve in &mut self.curves {
+            checkpoint.within(&format!("plot/{}", curve.id), |inside| {
+                inside.option("last", &mut curve.last);
+                inside.records("points", &mut curve.points);
+            });
+        }
+        if let Some(schedule) = &mut self.restart {
+            checkpoint.option("last_restart", &mut schedule.last);
+        }
     }
 
     /// Does nobody see or keep the log?
@@ -204,6 +257,7 @@ impl Outputs {
         self.row_due(step, last)
             || self.dump_is_due(step)
             || self.curves.iter().any(|curve| curve.due(step, last))
+            || self.restart.as_ref().is_some_and(|schedule| schedule.due(step))
     }
 
     /// Is a dump due after this step?

@@ -221,7 +221,7 @@ mod tests {
         fn measure(&mut self, _quantity: &Quantity) -> f64 {
             self.0
         }
-        fn now(&self) -> Instant {
+        fn now(&mut self) -> Instant {
             Instant { time: 2.0, dt: 0.5, step: 4 }
         }
     }

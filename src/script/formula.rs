@@ -20,6 +20,17 @@ pub enum GroupFunction {
     ExternalForce,
 }
 
+impl GroupFunction {
+    /// The word in the script.
+    pub fn word(self) -> &'static str {
+        match self {
+            GroupFunction::Xcm => "xcm",
+            GroupFunction::InternalForce => "internal_force",
+            GroupFunction::ExternalForce => "external_force",
+        }
+    }
+}
+
 /// What a slot of the board holds.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {

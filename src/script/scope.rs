@@ -18,7 +18,7 @@ pub trait Measure {
     /// Current value of a quantity.
     fn measure(&mut self, quantity: &Quantity) -> f64;
     /// Now.
-    fn now(&self) -> super::formula::Instant;
+    fn now(&mut self) -> super::formula::Instant;
 }
 
 /// What a group holds, as far as group functions ask.
@@ -93,6 +93,26 @@ impl Scope {
         }
         scope.overrides = overrides.iter().map(|(name, _)| name.clone()).collect();
         Ok(scope)
+    }
+
+    /// Goes on with the names of an earlier script; variables of this one stay.
+    ///
+    /// # Errors
+    /// A variable that the earlier script knows as a result, or that reads a simulation which is
+    /// not there yet.
+    pub fn continue_from(&mut self, mut earlier: Scope) -> Result<(), String> {
+        if !self.quantities.is_empty() {
+            return Err("an expression above reads a simulation that is not there yet".to_string());
+        }
+        for (name, formula) in std::mem::take(&mut self.variables) {
+            if earlier.results.contains_key(&name) {
+                return Err(format!("the variable `{name}` has the name of a result in the file"));
+            }
+            earlier.variables.insert(name, formula);
+        }
+        earlier.overrides.append(&mut self.overrides);
+        *self = earlier;
+        Ok(())
     }
 
     /// The overrides as a text to show mistakes in.
@@ -311,10 +331,10 @@ impl Scope {
         span: Span,
     ) -> Result<Slot, Diagnostic> {
         let kind = self.groups.get(group).copied().or((group == "all").then_some(GroupKind::Any));
-        let (word, refused) = match function {
-            GroupFunction::Xcm => ("xcm", GroupKind::Nodes),
-            GroupFunction::InternalForce => ("internal_force", GroupKind::Particles),
-            GroupFunction::ExternalForce => ("external_force", GroupKind::Particles),
+        let word = function.word();
+        let refused = match function {
+            GroupFunction::Xcm => GroupKind::Nodes,
+            GroupFunction::InternalForce | GroupFunction::ExternalForce => GroupKind::Particles,
         };
         match kind {
             None => {

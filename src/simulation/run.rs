@@ -1,5 +1,6 @@
 //! The loop over time steps.
 
+use super::progress::{JOINED, Progress};
 use super::{Simulation, Until, fill, whole};
 use crate::compute::energy::{kinetic_energy, strain_energy};
 use crate::fault::Fault;
@@ -26,16 +27,6 @@ use crate::world::{Solid, Spreading, World};
 /// have a velocity, or free flight past a corner of a cell would make strain.
 const EMPTY: f64 = 1e-40;
 
-/// A rest of the run shorter than this part of dt joins the step before it.
-const JOINED: f64 = 1e-9;
-
-/// Where a run stands in time.
-struct Span {
-    start: f64,
-    end: f64,
-    steps: u64,
-}
-
 /// The first domain that was cut, of those that each process knows of.
 fn first_cut(ranks: &Ranks, here: Option<(u32, f64)>) -> Option<(u32, f64)> {
     let numbers: Vec<f64> = here.iter().flat_map(|(id, time)| [f64::from(*id), *time]).collect();
@@ -45,39 +36,78 @@ fn first_cut(ranks: &Ranks, here: Option<(u32, f64)>) -> Option<(u32, f64)> {
 }
 
 impl Simulation {
-    /// Runs.
+    /// Runs. Whatever the caller may have changed since the last run counts.
     ///
     /// # Errors
     /// The first fault; log and dumps written before it stay.
     pub fn run(&mut self, until: Until) -> Result<(), Fault> {
-        let hooks = self.prepare()?;
-        let steps = self.expected_steps(&until);
+        self.disturb();
+        self.go_on(&until)
+    }
+
+    /// Runs, going on with the last run unless something has changed since ([`Simulation::disturb`]).
+    ///
+    /// # Errors
+    /// The first fault; log and dumps written before it stay.
+    pub fn go_on(&mut self, until: &Until) -> Result<(), Fault> {
+        let (now, dt) = (self.clock.time, self.clock.dt);
+        let mut progress = match self.progress.filter(|_| self.goes_on_with_last_run()) {
+            Some(last) => last,
+            None => Progress::new(now),
+        };
+        progress.end = match until {
+            Until::Time(length) => progress.end_after(now, *length, dt),
+            _ => f64::INFINITY,
+        };
+        (progress.done, progress.finished) = (0, false);
+        self.run_to_end(until, progress)
+    }
+
+    /// Runs the rest of a run that was stopped before its end.
+    ///
+    /// # Errors
+    /// The first fault; log and dumps written before it stay.
+    pub fn finish(&mut self, until: &Until) -> Result<(), Fault> {
+        match self.progress {
+            Some(progress) => self.run_to_end(until, progress),
+            None => self.go_on(until),
+        }
+    }
+
+    fn run_to_end(&mut self, until: &Until, progress: Progress) -> Result<(), Fault> {
+        let hooks = match self.goes_on_with_last_run() {
+            true => self.continued(),
+            false => self.prepare()?,
+        };
+        let begun = progress.done;
+        self.progress = Some(progress);
+        let steps = self.expected_steps(until).map(|steps| steps.saturating_sub(begun));
         let megabytes = self.memory().map(|bytes| 1e-6 * bytes);
         let summary = if self.outputs.is_silent() { Vec::new() } else { self.summary() };
-        let begun = self.outputs.begin_run(self.clock.step, &summary, steps, megabytes);
-        self.world.ranks.agree(begun.err(), &mut [])?;
-        let mut span = Span { start: self.clock.time, end: f64::INFINITY, steps: 0 };
-        if let Until::Time(length) = until {
-            span.end = span.start + length;
-        }
+        let started = self.outputs.begin_run(self.clock.step, &summary, steps, megabytes);
+        self.world.ranks.agree(started.err(), &mut [])?;
         self.output(false)?;
-        let mut previous = None;
-        while self.goes_on(&until, &span)? {
-            self.choose_step(&span, previous)?;
+        let mut progress = progress;
+        while self.goes_on(until, &progress)? {
+            self.choose_step(&progress)?;
             self.step(&hooks)?;
-            previous = self.next.map(|next| next.dt);
-            span.steps += 1;
-            self.advance_clock(&span);
+            progress.previous = self.next.map(|next| next.dt);
+            (progress.steps, progress.done) = (progress.steps + 1, progress.done + 1);
+            self.advance_clock(&mut progress);
             self.end_step()?;
-            let last = !self.goes_on(&until, &span)?;
+            let last = !self.goes_on(until, &progress)?;
+            progress.finished = last && !self.interrupted;
+            self.progress = Some(progress);
             self.output(last)?;
         }
+        progress.finished = !self.interrupted || progress.finished;
+        self.progress = Some(progress);
         self.note_strain();
-        self.end_run(&span)
+        self.end_run(progress.done - begun)
     }
 
     /// Warnings and figures at the end of a run.
-    fn end_run(&mut self, span: &Span) -> Result<(), Fault> {
+    fn end_run(&mut self, steps: u64) -> Result<(), Fault> {
         let Loops { clipped, removed, bounced, cut, .. } = &self.loops;
         let counts = [*clipped, *removed, *bounced].map(|count| count as usize);
         let ranks = &self.world.ranks;
@@ -108,8 +138,11 @@ impl Simulation {
                 self.outputs.warn(&format!("{count} {what}"))?;
             }
         }
+        if self.progress.is_some_and(|progress| progress.finished) {
+            self.clear_counts();
+        }
         let processes = self.world.ranks.size();
-        self.outputs.end_run(span.steps, particles, processes, &self.loops.timing)?;
+        self.outputs.end_run(steps, particles, processes, &self.loops.timing)?;
         self.tell_traffic();
         Ok(())
     }
@@ -128,6 +161,12 @@ impl Simulation {
              in {sweeps} sweeps",
             memory::text(bytes)
         ));
+    }
+
+    /// A run begins to count.
+    fn clear_counts(&mut self) {
+        (self.loops.clipped, self.loops.removed, self.loops.bounced) = (0, 0, 0);
+        self.loops.cut = None;
     }
 
     /// What the scene needs, as far as it is known now.
@@ -168,8 +207,7 @@ impl Simulation {
         self.loops.fault = None;
         self.loops.tiles.ghosts.traffic = Traffic::default();
         self.interrupted = self.world.ranks.any(interrupt::requested());
-        (self.loops.clipped, self.loops.removed, self.loops.bounced) = (0, 0, 0);
-        self.loops.cut = None;
+        self.clear_counts();
         self.ready()?;
         let hooks = self.hooks();
         self.open_ledger();
@@ -179,6 +217,15 @@ impl Simulation {
         parts.captured.internal(parts.world);
         parts.loops.scattered = !hooks.any(&[Stage::InitialIntegrate]);
         Ok(hooks)
+    }
+
+    /// Start of a run that goes on with the last one: all is as its last step left it.
+    fn continued(&mut self) -> Hooks {
+        self.loops.timing.restart();
+        self.loops.fault = None;
+        self.interrupted = self.world.ranks.any(interrupt::requested());
+        self.board.values.resize(self.quantities.len(), 0.0);
+        self.hooks()
     }
 
     /// Opens, goes on with or closes the energy ledger.
@@ -201,11 +248,8 @@ impl Simulation {
 
     /// Columns, sort and fixes that act once: all that must be there before the first dt.
     pub(super) fn ready(&mut self) -> Result<(), Fault> {
-        self.board.values.resize(self.quantities.len(), 0.0);
-        self.captured.prepare(&self.quantities, &self.world);
-        self.plan = self.make_plan();
-        self.plan.external_force |= self.captured.reads_external();
-        self.fit_world();
+        self.disturb();
+        self.fit();
         for displacement in &mut self.world.particles.displacement {
             *displacement = [0.0; 4];
         }
@@ -213,6 +257,15 @@ impl Simulation {
         self.loops.travelled = 0.0;
         self.world.contacts.ready = false;
         self.start_fixes()
+    }
+
+    /// The plan of the scene, and room for what it asks for.
+    pub(super) fn fit(&mut self) {
+        self.board.values.resize(self.quantities.len(), 0.0);
+        self.captured.prepare(&self.quantities, &self.world);
+        self.plan = self.make_plan();
+        self.plan.external_force |= self.captured.reads_external();
+        self.fit_world();
     }
 
     /// Columns, lattices and nodal arrays as the plan and the method ask for.
@@ -290,7 +343,7 @@ impl Simulation {
         self.world.ranks.agree(result.err(), &mut [])
     }
 
-    fn hooks(&self) -> Hooks {
+    pub(super) fn hooks(&self) -> Hooks {
         let mut hooks = Hooks::default();
         for (index, (_, fix)) in self.fixes.iter().enumerate() {
             for stage in fix.stages() {
@@ -304,7 +357,7 @@ impl Simulation {
         hooks
     }
 
-    fn parts<'a>(&'a mut self, hooks: &'a Hooks) -> Parts<'a> {
+    pub(super) fn parts<'a>(&'a mut self, hooks: &'a Hooks) -> Parts<'a> {
         Parts {
             clock: self.clock,
             world: &mut self.world,
@@ -329,13 +382,13 @@ impl Simulation {
     }
 
     /// Does the run go on with another step?
-    fn goes_on(&mut self, until: &Until, span: &Span) -> Result<bool, Fault> {
+    fn goes_on(&mut self, until: &Until, progress: &Progress) -> Result<bool, Fault> {
         if self.interrupted {
             return Ok(false);
         }
         let (condition, wanted) = match until {
-            Until::Steps(steps) => return Ok(span.steps < *steps),
-            Until::Time(_) => return Ok(self.clock.time < span.end),
+            Until::Steps(steps) => return Ok(progress.done < *steps),
+            Until::Time(_) => return Ok(self.clock.time < progress.end),
             Until::While(condition) => (condition, true),
             Until::Condition(condition) => (condition, false),
         };
@@ -364,10 +417,10 @@ impl Simulation {
     }
 
     /// Chooses the size of the coming step.
-    fn choose_step(&mut self, span: &Span, previous: Option<f64>) -> Result<(), Fault> {
+    fn choose_step(&mut self, progress: &Progress) -> Result<(), Fault> {
         let mut next = self.next.unwrap_or_else(|| self.stable_now());
         if self.fixed_dt.is_none() {
-            if let Some(previous) = previous {
+            if let Some(previous) = progress.previous {
                 next = time_step::limit_growth(next, previous);
             }
             if !(next.dt > 0.0 && next.dt.is_finite()) {
@@ -388,7 +441,7 @@ impl Simulation {
         }
         self.next = Some(next);
         self.clock.dt = next.dt;
-        let rest = span.end - self.clock.time;
+        let rest = progress.end - self.clock.time;
         if rest < next.dt * (1.0 - JOINED) {
             self.next = Some(TimeStep { dt: next.dt, limit: Limit::End });
             self.clock.dt = rest;
@@ -403,16 +456,19 @@ impl Simulation {
     }
 
     /// t <- t + dt; with `set_dt` t = t_start + k dt; the last step lands on the end.
-    fn advance_clock(&mut self, span: &Span) {
+    fn advance_clock(&mut self, progress: &mut Progress) {
         let time = match self.fixed_dt {
-            Some(dt) => span.start + span.steps as f64 * dt,
+            Some(dt) => progress.start + progress.steps as f64 * dt,
             None => self.clock.end(),
         };
-        let landed = time >= span.end - JOINED * self.clock.dt;
-        self.clock.time = if landed { span.end } else { time };
+        let landed = time >= progress.end - JOINED * self.clock.dt;
+        self.clock.time = if landed { progress.end } else { time };
+        if landed {
+            (progress.start, progress.steps) = (progress.end, 0);
+        }
     }
 
-    /// Log, dumps, plots that are due; the first process writes them.
+    /// Log, dumps, plots, restart files that are due; the first process writes them.
     fn output(&mut self, last: bool) -> Result<(), Fault> {
         if !self.outputs.is_due(self.clock.step, last) {
             return Ok(());
@@ -449,6 +505,10 @@ impl Simulation {
         };
         let world = whole.as_ref().unwrap_or(&self.world);
         let snapshot = Snapshot { step: self.clock.step, time: self.clock.time, world };
-        self.outputs.write(&snapshot, &self.board, &now, next.limit.name(), last)
+        self.outputs.write(&snapshot, &self.board, &now, next.limit.name(), last)?;
+        match self.outputs.restart_due(self.clock.step) {
+            Some(path) => self.write_restart(&path),
+            None => Ok(()),
+        }
     }
 }

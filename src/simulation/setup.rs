@@ -25,6 +25,7 @@ use crate::region::Region;
 use crate::scheme::musl::Musl;
 use crate::scheme::{Loops, Scheme};
 use crate::script::formula::{Board, Instant, Slot};
+use crate::script::history::History;
 use crate::time_step::Floor;
 use crate::transfer::{Transfer, TransferKind};
 use crate::world::{Solid, Spreading, World};
@@ -102,6 +103,8 @@ impl Simulation {
             started: Vec::new(),
             next: None,
             floor: Floor::default(),
+            progress: None,
+            history: History::default(),
             bits: 0,
             interrupted: false,
         }
