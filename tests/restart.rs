@@ -183,6 +183,7 @@ fn spoil(bytes: &mut [u8], name: &str) {
     let length = u64::from_le_bytes(bytes[16..24].try_into().unwrap()) as usize;
     let header: serde_json::Value = serde_json::from_slice(&bytes[24..24 + length]).unwrap();
     let about = &header["columns"][name];
+    assert!(about.is_object(), "no column `{name}`");
     let count = |what: &str| about[what].as_u64().unwrap() as usize;
     let each = about["type"].as_str().unwrap()[2..].parse::<usize>().unwrap();
     let (start, size) = (24 + length + count("offset"), count("rows") * count("width") * each);
@@ -422,7 +423,7 @@ const NEEDED: [(&str, &str, &[&str]); 4] = [
             "particle/T",
             "particle/damage_init",
             "particle/groups0",
-            "group/floor/internal_force",
+            "group/floor/internal_force/z",
             "output/plot/fall/points",
             "output/dump/growing/length",
             "output/last_row",
@@ -460,7 +461,7 @@ const NEEDED: [(&str, &str, &[&str]); 4] = [
             "particle/displacement",
             "fix/ball/work",
             "fix/ball/before",
-            "fix/error/sums",
+            "fix/error/error",
             "fix/drop/started",
         ],
     ),

@@ -16,7 +16,9 @@ fn stdout(output: &Output) -> String {
 
 /// Lines that hold a word, without their seconds and verdict: problem and settings.
 fn lines(text: &str, word: &str) -> BTreeSet<String> {
-    let chosen = text.lines().filter(|line| line.contains(&format!(" {word} ")));
+    // The last line counts them.
+    let all = text.lines().filter(|line| !line.starts_with(|c: char| c.is_ascii_digit()));
+    let chosen = all.filter(|line| line.contains(&format!(" {word} ")));
     let name = |line: &str| {
         let (before, how) = line.split_once(&format!(" {word} ")).unwrap();
         let problem = before.split("  ").next().unwrap();

@@ -272,6 +272,7 @@ impl Particles {
         }
         if checkpoint.is_loading() {
             self.carried = Default::default();
+            self.undealt = self.id.len();
             self.present = ColumnSet::default();
             let there = |column: &Column| !self.columns[*column as usize].is_empty();
             self.present.extend(&Column::ALL.into_iter().filter(there).collect::<Vec<_>>());
