@@ -78,9 +78,9 @@ const METHODS: [&str; 12] = [
 
 /// How a scene is run beside one thread: threads, or processes of one thread each.
 #[cfg(not(feature = "mpi"))]
-const OTHERS: [&str; 2] = ["2", "3"];
+const OTHERS: &[&str] = &["2", "3"];
 #[cfg(feature = "mpi")]
-const OTHERS: [&str; 2] = ["2 processes", "3 processes"];
+const OTHERS: &[&str] = &["3 processes"];
 
 /// The program in so many threads or processes.
 fn program(how: &str) -> Command {
@@ -141,7 +141,7 @@ fn neither_threads_nor_processes_change_a_byte() {
     for method in METHODS {
         let one = outputs(method, "1", "run(120)");
         assert!(one.len() > 7 + 3 + 3 + 3, "{:?}", one.keys());
-        for how in ["1"].into_iter().chain(OTHERS) {
+        for how in ["1"].iter().chain(OTHERS) {
             let other = outputs(method, how, "run(120)");
             for (name, bytes) in &one {
                 let same = other.get(name) == Some(bytes);
