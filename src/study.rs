@@ -97,7 +97,7 @@ pub struct Case {
     pub values: Vec<String>,
     /// How it is run.
     pub job: Job,
-    /// Cell size [L]; NaN if no rehearsal told it.
+    /// Cell size \[L\]; NaN if no rehearsal told it.
     pub cell: f64,
     /// Warnings about it.
     pub warnings: Vec<String>,

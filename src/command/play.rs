@@ -22,7 +22,7 @@ pub struct Script {
     pub variables: Vec<(String, String)>,
     /// What settings have changed in the statements.
     pub changes: Vec<Change>,
-    /// The smallest cell size of the grid and the solids [L], where the rehearsal came to know one.
+    /// The smallest cell size of the grid and the solids \[L\], where the rehearsal came to know one.
     pub cell: Option<f64>,
     /// Its first run is the rest of one that was stopped.
     pub finishes_run: bool,

@@ -1,6 +1,6 @@
 //! The problems of `karamelo-rs verify`, with where each number comes from.
 //!
-//! [A] closed form; [K] Karamelo's energies with 17 digits; [N] an independent model of the same
+//! A: closed form; K: Karamelo's energies with 17 digits; N: an independent model of the same
 //! update, whose tables have three or four digits.
 
 use super::{Gate, Of, Part, Problem};
