@@ -32,6 +32,23 @@ pub struct Sums {
 }
 
 impl Sums {
+    /// All of them: the kinetic energy, then those that have a book, in the order of the books.
+    fn each_mut(&mut self) -> [&mut f64; 11] {
+        [
+            &mut self.kinetic,
+            &mut self.stored,
+            &mut self.plastic,
+            &mut self.viscous,
+            &mut self.damage,
+            &mut self.friction,
+            &mut self.damping,
+            &mut self.heat,
+            &mut self.external,
+            &mut self.boundary,
+            &mut self.numerical,
+        ]
+    }
+
     /// Everything that has become of the energy, less the work put in.
     fn balance(&self) -> f64 {
         let kept = self.kinetic + self.stored;
@@ -83,6 +100,25 @@ pub struct Books {
     pub numerical: ExactSum,
     /// Work of all nodal forces.
     pub nodal: ExactSum,
+}
+
+impl Books {
+    /// All of them with their names; the last one has no sum.
+    fn each_mut(&mut self) -> [(&'static str, &mut ExactSum); 11] {
+        [
+            ("stored", &mut self.stored),
+            ("plastic", &mut self.plastic),
+            ("viscous", &mut self.viscous),
+            ("damage", &mut self.damage),
+            ("friction", &mut self.friction),
+            ("damping", &mut self.damping),
+            ("heat", &mut self.heat),
+            ("external", &mut self.external),
+            ("boundary", &mut self.boundary),
+            ("numerical", &mut self.numerical),
+            ("nodal", &mut self.nodal),
+        ]
+    }
 }
 
 /// What a particle has done in a step \[M L^2/T^2\].
@@ -165,51 +201,14 @@ impl Ledger {
     /// Puts it into a checkpoint, or takes it from there.
     pub fn keep(&mut self, checkpoint: &mut Checkpoint) {
         checkpoint.flag("open", &mut self.open);
-        let Self { sums, start, largest, strain, residual, .. } = self;
+        let Self { start, largest, strain, residual, .. } = self;
         let mut numbers = [*start, *largest, *strain, *residual];
         checkpoint.numbers("numbers", &mut numbers);
         [*start, *largest, *strain, *residual] = numbers;
-        let Books {
-            stored,
-            plastic,
-            viscous,
-            damage,
-            friction,
-            damping,
-            heat,
-            external,
-            boundary,
-            numerical,
-            nodal,
-        } = &mut self.books;
-        for (name, sum) in [
-            ("stored", stored),
-            ("plastic", plastic),
-            ("viscous", viscous),
-            ("damage", damage),
-            ("friction", friction),
-            ("damping", damping),
-            ("heat", heat),
-            ("external", external),
-            ("boundary", boundary),
-            ("numerical", numerical),
-            ("nodal", nodal),
-        ] {
+        for (name, sum) in self.books.each_mut() {
             checkpoint.sum(&format!("books/{name}"), sum);
         }
-        let terms = [
-            &mut sums.kinetic,
-            &mut sums.stored,
-            &mut sums.plastic,
-            &mut sums.viscous,
-            &mut sums.damage,
-            &mut sums.friction,
-            &mut sums.damping,
-            &mut sums.heat,
-            &mut sums.external,
-            &mut sums.boundary,
-            &mut sums.numerical,
-        ];
+        let terms = self.sums.each_mut();
         let mut values = terms.each_ref().map(|term| **term);
         checkpoint.numbers("sums", &mut values);
         for (term, value) in terms.into_iter().zip(values) {
@@ -263,37 +262,10 @@ impl Ledger {
     /// Adds what stands in the books of all processes to the sums; gives the work of the nodal
     /// forces among it.
     pub fn settle(&mut self, ranks: &Ranks) -> f64 {
-        let Books {
-            stored,
-            plastic,
-            viscous,
-            damage,
-            friction,
-            damping,
-            heat,
-            external,
-            boundary,
-            numerical,
-            nodal,
-        } = std::mem::take(&mut self.books);
-        let sums = &mut self.sums;
-        let into = [
-            &mut sums.stored,
-            &mut sums.plastic,
-            &mut sums.viscous,
-            &mut sums.damage,
-            &mut sums.friction,
-            &mut sums.damping,
-            &mut sums.heat,
-            &mut sums.external,
-            &mut sums.boundary,
-            &mut sums.numerical,
-        ];
-        let [totals @ .., work] = ranks.totals([
-            &stored, &plastic, &viscous, &damage, &friction, &damping, &heat, &external, &boundary,
-            &numerical, &nodal,
-        ]);
-        for (sum, total) in into.into_iter().zip(totals) {
+        let mut books = std::mem::take(&mut self.books);
+        let [totals @ .., work] = ranks.totals(books.each_mut().map(|(_, sum)| &*sum));
+        let [_, sums @ ..] = self.sums.each_mut();
+        for (sum, total) in sums.into_iter().zip(totals) {
             *sum += total;
         }
         work
