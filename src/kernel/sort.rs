@@ -153,7 +153,8 @@ impl Sorter {
         let reach = Reach { shape, movement, corners: tiles.corners };
         let together = grid.keeps.contact && !ranks.is_alone();
         self.fit(&orders, &places, &reach, grid, together);
-        let own = self.own_tiles(&orders);
+        // One process shares no node and need not know its tiles.
+        let own = if ranks.is_alone() { Vec::new() } else { self.own_tiles(&orders) };
         let layout = Layout { orders: &orders, reach: &reach, deal: &self.deal };
         tiles.ghosts.find(ranks, grid, &own, &layout, &mut self.reached);
         self.orders = orders;
@@ -289,7 +290,7 @@ impl Sorter {
         survey::survey(world, &scene, processes)
     }
 
-    /// The tiles in the order of the sort; none if there is one process.
+    /// The tiles in the order of the sort.
     fn own_tiles(&self, orders: &[Order]) -> Vec<OwnTile> {
         let tile = |keys: &[Key]| {
             let (lattice, colour) = (keys[0].group as u16 as usize, (keys[0].group >> 16) as usize);
