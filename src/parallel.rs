@@ -62,6 +62,12 @@ pub trait Exchange: Send + Sync {
 #[derive(Clone, Default)]
 pub struct Ranks(Option<Arc<dyn Exchange>>);
 
+impl std::fmt::Debug for Ranks {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "process {} of {}", self.rank(), self.size())
+    }
+}
+
 impl Ranks {
     /// Several processes.
     pub fn new(exchange: Arc<dyn Exchange>) -> Self {

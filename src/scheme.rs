@@ -20,6 +20,7 @@ use crate::model::checkpoint::Checkpoint;
 use crate::model::clock::Clock;
 use crate::model::column::Column;
 use crate::model::domain::Boundary;
+use crate::parallel::Ranks;
 use crate::plan::Plan;
 use crate::script::formula::{Board, Quantity, Slot};
 use crate::step::{Stage, Step};
@@ -90,16 +91,28 @@ impl Loops {
     /// Puts into a checkpoint, or takes from it, what the next step reads beside the tiles.
     pub fn keep(&mut self, checkpoint: &mut Checkpoint) {
         checkpoint.number("travelled", &mut self.travelled);
-        checkpoint.flag("outgrown", &mut self.outgrown);
+        checkpoint.any("outgrown", &mut self.outgrown);
         checkpoint.flag("scattered", &mut self.scattered);
         checkpoint.flag("carried", &mut self.carried);
-        checkpoint.number("clipped", &mut self.clipped);
-        checkpoint.number("removed", &mut self.removed);
-        checkpoint.number("bounced", &mut self.bounced);
-        let (mut cut, mut time) = (self.cut.map(|(id, _)| id), self.cut.map(|(_, time)| time));
+        checkpoint.count("clipped", &mut self.clipped);
+        checkpoint.count("removed", &mut self.removed);
+        checkpoint.count("bounced", &mut self.bounced);
+        let first = self.first_cut(checkpoint.ranks());
+        let (mut cut, mut time) = (first.map(|(id, _)| id), first.map(|(_, time)| time));
         checkpoint.option("cut", &mut cut);
         checkpoint.option("cut_at", &mut time);
-        self.cut = cut.zip(time);
+        if checkpoint.is_loading() {
+            self.cut = cut.zip(time);
+        }
+    }
+
+    /// The first domain that was cut, of those that each process knows of: id and time.
+    pub fn first_cut(&self, ranks: &Ranks) -> Option<(u32, f64)> {
+        let numbers: Vec<f64> =
+            self.cut.iter().flat_map(|(id, time)| [f64::from(*id), *time]).collect();
+        let all = ranks.share(&numbers);
+        let each = all.as_chunks::<2>().0.iter().map(|[id, time]| (*id as u32, *time));
+        each.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
     }
 }
 

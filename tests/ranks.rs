@@ -99,7 +99,8 @@ fn shortened(text: &str) -> String {
     let dumps = format!(
         "dump(all_particles, all, particle, {half}, zp.*.dump, x, y, z, vx, vy, vz, s11, s22, s33, \
          s12, volume, J, ep, T, damage)\n\
-         dump(all_nodes, all, grid, {half}, zg.*.dump, x, y, z, vx, vy, vz, mass, bx, by, T)\n"
+         dump(all_nodes, all, grid, {half}, zg.*.dump, x, y, z, vx, vy, vz, mass, bx, by, T)\n\
+         restart({half}, state.*.rst)\n"
     );
     let mut dumps = Some(dumps);
     let mut lines = String::new();
@@ -116,6 +117,16 @@ fn shortened(text: &str) -> String {
     }
     assert!(dumps.is_none(), "no run");
     lines
+}
+
+/// What goes on from a restart file in so many processes writes in its last step.
+fn goes_on(file: &[u8], processes: usize) -> BTreeMap<String, Vec<u8>> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("half.rst");
+    std::fs::write(&path, file).unwrap();
+    let mut files = play(&path, &[], processes);
+    files.retain(|name, _| name.ends_with(&format!(".{STEPS}.dump")));
+    files
 }
 
 #[test]
@@ -140,6 +151,11 @@ fn every_input_gives_the_same_bytes_in_one_to_four_processes() {
             let unlike = one.keys().find(|file| one.get(*file) != other.get(*file));
             different.extend(unlike.map(|file| format!("{name} in {processes}: {file}")));
         }
+        let half = &one[&format!("state.{}.rst", STEPS / 2)];
+        let rest = goes_on(half, 3);
+        assert!(rest.len() >= 2, "{name}: {:?}", rest.keys());
+        let unlike = rest.keys().find(|file| one.get(*file) != rest.get(*file));
+        different.extend(unlike.map(|file| format!("{name} from a restart file: {file}")));
     }
     assert!(different.is_empty(), "{different:#?}");
 }
@@ -306,19 +322,17 @@ fn check_counts_the_messages_that_are_sent() {
     }
 }
 
-#[test]
-fn a_process_that_is_killed_takes_the_others_with_it() {
-    let folder = tempfile::tempdir().unwrap();
+/// Starts a long run in three processes and sends one of them a signal.
+fn struck(folder: &Path, signal: &str) -> Output {
     let script = FLIGHT.replace("run_time(5)", "set_dt(1e-9)\nrun(100000000)");
-    std::fs::write(folder.path().join("killed.mpm"), script).unwrap();
+    std::fs::write(folder.join("long.mpm"), script).unwrap();
     let mut command = program(3);
-    command.args(["killed.mpm", "--quiet"]).current_dir(folder.path());
-    command.stdout(Stdio::null()).stderr(Stdio::null());
+    command.args(["long.mpm", "--quiet"]).current_dir(folder);
+    command.stdout(Stdio::null()).stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
     let own = child.id();
-    // A process of ours: a child of `mpirun` that has begun to write its log or steps.
     let start = Instant::now();
-    while !folder.path().join("log.mpm").exists() {
+    while !folder.join("log.mpm").exists() {
         if start.elapsed() > Duration::from_secs(30) {
             end(&mut child);
             panic!("never began");
@@ -328,7 +342,28 @@ fn a_process_that_is_killed_takes_the_others_with_it() {
     let children = format!("/proc/{own}/task/{own}/children");
     let list = std::fs::read_to_string(children).unwrap();
     let victim = list.split_whitespace().last().unwrap();
-    assert!(Command::new("kill").args(["-9", victim]).status().unwrap().success());
-    let output = finished(child, Duration::from_secs(15));
-    assert!(!output.status.success());
+    assert!(Command::new("kill").args([signal, victim]).status().unwrap().success());
+    finished(child, Duration::from_secs(15))
+}
+
+#[test]
+fn a_process_that_is_killed_takes_the_others_with_it() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(!struck(folder.path(), "-9").status.success());
+}
+
+#[test]
+fn a_process_that_is_asked_to_stop_makes_all_write_a_restart_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = struck(folder.path(), "-TERM");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success(), "{said}");
+    assert!(said.contains("go on with: karamelo-rs long.interrupted.rst"), "{said}");
+    let go = "read_restart(long.interrupted.rst)\nrun(3)\n";
+    std::fs::write(folder.path().join("go.mpm"), go).unwrap();
+    for processes in [0, 2] {
+        let mut command = program(processes);
+        let output = command.args(["go.mpm", "--quiet"]).current_dir(folder.path()).output();
+        assert!(output.unwrap().status.success(), "{processes} processes");
+    }
 }

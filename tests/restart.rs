@@ -1,6 +1,9 @@
 //! A run that goes on from a restart file gives the bytes of the run that was never stopped.
 
+mod processes;
+
 use assert_cmd::cargo::cargo_bin;
+use processes::program;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -23,7 +26,11 @@ fn karamelo(place: &Path, arguments: &[&str]) -> Output {
 }
 
 fn run(place: &Path, arguments: &[&str]) {
-    let output = karamelo(place, arguments);
+    succeeds(Command::new(cargo_bin!("karamelo-rs")), place, arguments);
+}
+
+fn succeeds(mut program: Command, place: &Path, arguments: &[&str]) {
+    let output = program.current_dir(place).args(arguments).arg("--quiet").output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(0), "{arguments:?}: {said}");
 }
@@ -132,7 +139,7 @@ impl Whole {
     }
 
     /// Goes on after a step, by a script or with the file alone.
-    fn rest(&self, step: u64, by_script: bool, threads: &str) -> Option<String> {
+    fn rest(&self, step: u64, by_script: bool, how: &str) -> Option<String> {
         let place = tempfile::tempdir().unwrap();
         let name = format!("s.{step}.rst");
         for entry in std::fs::read_dir(self.path()).unwrap() {
@@ -149,9 +156,9 @@ impl Whole {
         match by_script {
             true => {
                 go_on(place.path(), step);
-                run(place.path(), &["go.mpm", "--threads", threads]);
+                succeeds(program(how), place.path(), &["go.mpm"]);
             }
-            false => run(place.path(), &[&name, "--threads", threads]),
+            false => succeeds(program(how), place.path(), &[&name]),
         }
         difference(self.path(), place.path(), step)
     }
@@ -196,13 +203,19 @@ fn spoil(bytes: &mut [u8], name: &str) {
     bytes[12..16].copy_from_slice(&checksum.to_le_bytes());
 }
 
-/// Three ways to go on.
+/// Ways to go on: after which step, by a script or with the file alone, in how many threads or
+/// processes.
+#[cfg(not(feature = "mpi"))]
+const WAYS: &[(u64, bool, &str)] = &[(13, true, "1"), (26, false, "2"), (39, true, "2")];
+#[cfg(feature = "mpi")]
+const WAYS: &[(u64, bool, &str)] = &[(26, false, "3 processes"), (39, true, "2 processes")];
+
+/// Goes on in all these ways.
 fn check(name: &str, scene: &str, files: &[PathBuf]) -> Vec<String> {
     let whole = Whole::new(scene, files);
-    let ways = [(13, true, "1"), (26, false, "2"), (39, true, "2")];
-    let found = ways.into_iter().filter_map(|(step, by_script, threads)| {
-        let difference = whole.rest(step, by_script, threads)?;
-        Some(format!("{name} after step {step}: {difference}"))
+    let found = WAYS.iter().filter_map(|(step, by_script, how)| {
+        let difference = whole.rest(*step, *by_script, how)?;
+        Some(format!("{name} after step {step} in {how}: {difference}"))
     });
     found.collect()
 }

@@ -1,10 +1,11 @@
 //! The same bits for any number of threads, twice in a row, in one run or several, and (feature `mpi`)
 //! for any number of processes.
 
-use assert_cmd::cargo::cargo_bin;
+mod processes;
+
+use processes::program;
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::Command;
 
 /// Two bodies of different laws that meet, with gravity and walls: 3-D, above the size from
 /// which several threads are used.
@@ -82,23 +83,7 @@ const OTHERS: &[&str] = &["2", "3"];
 #[cfg(feature = "mpi")]
 const OTHERS: &[&str] = &["3 processes"];
 
-/// The program in so many threads or processes.
-fn program(how: &str) -> Command {
-    let binary = cargo_bin!("karamelo-rs");
-    let Some(count) = how.strip_suffix(" processes") else {
-        let mut command = Command::new(binary);
-        command.args(["--threads", how]);
-        return command;
-    };
-    let mut command = Command::new("mpirun");
-    // Containers run as root.
-    command.envs([("OMPI_ALLOW_RUN_AS_ROOT", "1"), ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")]);
-    command.args(["--oversubscribe", "--bind-to", "none", "-np", count]);
-    command.arg(binary).args(["--threads", "1"]);
-    command
-}
-
-/// Runs the script; gives the bytes of all dumps and the rows of the log.
+/// Runs the script; gives the bytes of all dumps and restart files, and the rows of the log.
 fn outputs(method: &str, how: &str, runs: &str) -> BTreeMap<String, Vec<u8>> {
     outputs_of(&SCRIPT.replace(METHODS[0], method), how, runs)
 }
@@ -107,7 +92,7 @@ fn outputs(method: &str, how: &str, runs: &str) -> BTreeMap<String, Vec<u8>> {
 fn outputs_of(text: &str, how: &str, runs: &str) -> BTreeMap<String, Vec<u8>> {
     let directory = tempfile::tempdir().unwrap();
     let script = directory.path().join("in.mpm");
-    std::fs::write(&script, format!("{text}{runs}")).unwrap();
+    std::fs::write(&script, format!("{text}restart(20, state.*.rst)\n{runs}")).unwrap();
     let status =
         program(how).args(["in.mpm", "--quiet"]).current_dir(directory.path()).status().unwrap();
     assert!(status.success(), "{how}");

@@ -28,6 +28,7 @@ win over those in the file; then the scene is there as it was, with fixes, outpu
 the script may change it. A run that goes on with nothing changed gives the bytes of the run that was
 never stopped: `run(N)` counts from here, the rest of a `run_time(T)` ends where all of it would have.
 `karamelo-rs FILE` instead finishes the run under way and the script after it.
+Any number of threads and processes (`mpirun`) writes the same file and goes on from it.
 The file holds the script and the CRC-32 of the files that it reads; these must be where they were.
 Not in it: the log, which is added to, and pictures and dumps with `*`, which are written anew.";
 

@@ -92,7 +92,7 @@ impl<S: ContactStyle> Fix for Contact<S> {
     fn keep(&mut self, checkpoint: &mut Checkpoint) {
         let Totals { force, rate, pushed } = &mut self.totals;
         checkpoint.vector("force", force);
-        checkpoint.number("rate", rate);
+        checkpoint.largest("rate", rate);
         let mut count = *pushed as u64;
         checkpoint.number("pushed", &mut count);
         *pushed = count as usize;

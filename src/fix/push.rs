@@ -131,7 +131,7 @@ impl Pushed {
     pub fn keep(&mut self, checkpoint: &mut Checkpoint) {
         checkpoint.vector("total", &mut self.total);
         checkpoint.sum("work", &mut self.work);
-        checkpoint.number("rate", &mut self.rate);
+        checkpoint.largest("rate", &mut self.rate);
         checkpoint.number("before", &mut self.before);
     }
 

@@ -20,8 +20,10 @@ pub struct Deal {
     side: usize,
     /// Imbalance when they were dealt out.
     imbalance: f64,
-    /// Where each particle goes.
+    /// Where each particle goes; empty if there is one process.
     owners: Vec<u32>,
+    /// The number of this process.
+    own: u32,
 }
 
 /// What the sort knows of the particles.
@@ -36,15 +38,20 @@ pub struct Scene<'a> {
     pub total: bool,
     /// Cells along a side of a tile.
     pub side: usize,
+    /// The cells of an earlier sort, which count in place of those of the places.
+    pub cells: Option<&'a [[u32; 3]]>,
 }
 
 impl Scene<'_> {
     /// Lattice and tile of a particle.
     fn tile(&self, particles: &Particles, p: usize) -> (usize, [usize; 2]) {
         let lattice = self.solids[particles.solid[p] as usize].lattice;
-        let place = particles.places(self.total)[p];
         let order = &self.orders[lattice];
-        (lattice, order.tile_of(order.cell_of(&self.lattices[lattice].cells, place)))
+        let cell = match self.cells {
+            Some(cells) => cells[p].map(|cell| cell as usize),
+            None => order.cell_of(&self.lattices[lattice].cells, particles.places(self.total)[p]),
+        };
+        (lattice, order.tile_of(cell))
     }
 }
 
@@ -56,16 +63,17 @@ impl Deal {
 
     /// Brings every particle to the process that owns its tile.
     pub fn deal(&mut self, particles: &mut Particles, scene: &Scene<'_>, ranks: &Ranks) {
+        self.owners.clear();
         let Some(exchange) = ranks.exchange() else { return };
         self.divide(particles, scene, exchange);
-        self.owners.clear();
+        self.own = exchange.rank() as u32;
         for p in 0..particles.len() {
             let (lattice, tile) = scene.tile(particles, p);
             let owner = self.owner(lattice, tile);
             self.owners.push(owner as u32);
         }
         let dealt = particles.len() - particles.undealt;
-        let own = exchange.rank() as u32;
+        let own = self.own;
         let exist = present_records(particles, ranks);
         let mut places = vec![Vec::new(); exchange.size()];
         for (p, owner) in self.owners[..dealt].iter().enumerate().filter(|(_, r)| **r != own) {
@@ -79,6 +87,17 @@ impl Deal {
             unpack(particles, &exist, &letter);
         }
         particles.undealt = 0;
+    }
+
+    /// Of what stands for each particle in all processes, that which stayed here.
+    pub fn kept<T: Copy>(&self, all: &[T]) -> Vec<T> {
+        match self.owners.is_empty() {
+            true => all.to_vec(),
+            false => {
+                let pairs = all.iter().zip(&self.owners);
+                pairs.filter(|(_, owner)| **owner == self.own).map(|(one, _)| *one).collect()
+            }
+        }
     }
 
     /// Deals tiles out, the first time or anew.

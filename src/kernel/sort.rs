@@ -118,6 +118,12 @@ impl Sorter {
         self.keys.iter().map(cell).collect()
     }
 
+    /// What the last sort ordered a particle by.
+    pub fn key(&self, p: usize) -> [u64; 3] {
+        let Key { group, tile, within, id, .. } = self.keys[p];
+        [u64::from(group), tile, u64::from(within) << 32 | u64::from(id)]
+    }
+
     fn sort_by(
         &mut self,
         world: &mut World,
@@ -140,9 +146,11 @@ impl Sorter {
         let side = side(shape, tiles.corners);
         orders.clear();
         orders.extend(lattices.iter().map(|lattice| Order::new(&lattice.cells, side)));
-        let scene = Scene { orders: &orders, lattices, solids, total, side };
-        self.deal.deal(particles, &scene, ranks);
         let cells = restored.map(|(cells, _)| cells);
+        let scene = Scene { orders: &orders, lattices, solids, total, side, cells };
+        self.deal.deal(particles, &scene, ranks);
+        let cells = cells.map(|cells| self.deal.kept(cells));
+        let cells = cells.as_deref();
         self.order(&orders, lattices, &Places { particles, solids, total, cells }, tiles);
         self.permute(particles, tiles.parallel);
         let cells: Option<Vec<[u32; 3]>> =

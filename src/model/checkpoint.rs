@@ -3,8 +3,13 @@
 //! Whatever has a state lists it once: the same call puts a value into a checkpoint that is being
 //! saved and takes it out of one that is being loaded. What a file lacks, or has in another form,
 //! is a fault; nothing is guessed.
+//!
+//! Several processes save one state together: what is the same everywhere the first one puts in;
+//! sums, counts and largest numbers are those of all; rows that are dealt out come to the first
+//! process and stand in an order that does not depend on who had them. All make the same calls.
 
 use crate::math::exact_sum::{ExactSum, VectorSum};
+use crate::parallel::Ranks;
 
 /// A number as it stands in a column, little endian.
 pub trait Number: Copy + Default {
@@ -80,12 +85,81 @@ pub struct Checkpoint {
     data: Vec<u8>,
     prefix: String,
     fault: Option<String>,
+    ranks: Ranks,
+    /// Where the rows of the columns under way come from.
+    dealt: Option<Dealt>,
+}
+
+/// A row of this process.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Its place in the columns.
+    pub place: usize,
+    /// Rows are saved in the order of their keys, of which no two are the same.
+    pub key: [u64; 3],
+}
+
+/// Rows of several processes, or in another order than that of memory.
+#[derive(Clone, Debug)]
+struct Dealt {
+    /// Places of the rows of this process, as they are sent.
+    own: Vec<usize>,
+    /// In the first process: where each row stands among all that have come.
+    order: Vec<usize>,
+}
+
+impl Dealt {
+    /// `None` if the rows are those in memory, in their order.
+    fn new(rows: &[Row], ranks: &Ranks) -> Option<Self> {
+        let sorted = rows.is_sorted_by_key(|row| row.key);
+        if ranks.is_alone() && sorted && rows.iter().enumerate().all(|(at, row)| at == row.place) {
+            return None;
+        }
+        let mut letter = Vec::with_capacity(24 * rows.len());
+        rows.iter().flat_map(|row| row.key).for_each(|word| word.put(&mut letter));
+        let letters = match ranks.exchange() {
+            Some(exchange) => exchange.gather(&letter),
+            None => vec![letter],
+        };
+        let words = letters.iter().flat_map(|letter| letter.as_chunks::<8>().0);
+        let words: Vec<u64> = words.map(|bytes| u64::from_le_bytes(*bytes)).collect();
+        let keys = words.as_chunks::<3>().0;
+        let mut order: Vec<usize> = (0..keys.len()).collect();
+        order.sort_unstable_by_key(|row| keys[*row]);
+        Some(Self { own: rows.iter().map(|row| row.place).collect(), order })
+    }
+
+    /// The bytes of a column in the first process, from those of its rows here; nothing elsewhere.
+    fn collect(&self, ranks: &Ranks, own: Vec<u8>, width: usize) -> Vec<u8> {
+        let all = match ranks.exchange() {
+            Some(exchange) => exchange.gather(&own).concat(),
+            None => own,
+        };
+        if all.is_empty() {
+            return all;
+        }
+        let mut column = Vec::with_capacity(all.len());
+        for row in &self.order {
+            column.extend_from_slice(&all[row * width..(row + 1) * width]);
+        }
+        column
+    }
 }
 
 impl Checkpoint {
-    /// An empty checkpoint, to be filled.
-    pub fn saving() -> Self {
-        Self::default()
+    /// An empty checkpoint, to be filled by all processes together.
+    pub fn saving(ranks: &Ranks) -> Self {
+        Self { ranks: ranks.clone(), ..Self::default() }
+    }
+
+    /// A checkpoint that all processes load together.
+    pub fn of_ranks(self, ranks: &Ranks) -> Self {
+        Self { ranks: ranks.clone(), ..self }
+    }
+
+    /// The processes that save or load it.
+    pub fn ranks(&self) -> &Ranks {
+        &self.ranks
     }
 
     /// A checkpoint to load.
@@ -129,6 +203,14 @@ impl Checkpoint {
         self.prefix.truncate(length);
     }
 
+    /// Columns that are named inside have these rows in this process; numbers are those of all. A
+    /// process that loads columns gets the rows of all.
+    pub fn rows(&mut self, rows: &[Row], inside: impl FnOnce(&mut Self)) {
+        self.dealt = if self.loading { None } else { Dealt::new(rows, &self.ranks) };
+        inside(self);
+        self.dealt = None;
+    }
+
     /// Notes that something does not fit; the first such note is the fault.
     pub fn refuse(&mut self, reason: impl Into<String>) {
         self.fault.get_or_insert(reason.into());
@@ -142,12 +224,13 @@ impl Checkpoint {
     /// A column of records; one without rows is not there.
     pub fn records<T: Number, const W: usize>(&mut self, name: &str, values: &mut Vec<[T; W]>) {
         if !self.loading {
-            if !values.is_empty() {
-                let start = self.begin::<T>(name, W, values.len());
-                values.iter().flatten().for_each(|value| value.put(&mut self.data));
-                debug_assert_eq!(self.data.len(), start + values.len() * W * T::BYTES);
-            }
-            return;
+            return match self.dealt.take() {
+                Some(dealt) => {
+                    self.put_dealt(&dealt, name, values);
+                    self.dealt = Some(dealt);
+                }
+                None => self.put(name, values),
+            };
         }
         values.clear();
         let Some(index) = self.find::<T>(name, W) else { return };
@@ -157,6 +240,34 @@ impl Checkpoint {
             std::array::from_fn(|_| numbers.next().unwrap_or_default())
         });
         values.extend(rows);
+    }
+
+    fn put<T: Number, const W: usize>(&mut self, name: &str, values: &[[T; W]]) {
+        if !values.is_empty() {
+            let start = self.begin::<T>(name, W, values.len());
+            values.iter().flatten().for_each(|value| value.put(&mut self.data));
+            debug_assert_eq!(self.data.len(), start + values.len() * W * T::BYTES);
+        }
+    }
+
+    fn put_dealt<T: Number, const W: usize>(
+        &mut self,
+        dealt: &Dealt,
+        name: &str,
+        values: &[[T; W]],
+    ) {
+        let width = W * T::BYTES;
+        let mut own = Vec::new();
+        if !values.is_empty() {
+            own.reserve(width * dealt.own.len());
+            let rows = dealt.own.iter().flat_map(|place| values[*place]);
+            rows.for_each(|value| value.put(&mut own));
+        }
+        let column = dealt.collect(&self.ranks, own, width);
+        if !column.is_empty() {
+            self.begin::<T>(name, W, column.len() / width);
+            self.data.extend_from_slice(&column);
+        }
     }
 
     /// A column of numbers; one without rows is not there.
@@ -174,7 +285,9 @@ impl Checkpoint {
     /// Some numbers that must be there.
     pub fn numbers<T: Number, const W: usize>(&mut self, name: &str, values: &mut [T; W]) {
         let mut rows = vec![*values];
+        let dealt = self.dealt.take();
         self.records(name, &mut rows);
+        self.dealt = dealt;
         match rows[..] {
             [row] => *values = row,
             [] => self.refuse(format!("`{}{name}` is missing", self.prefix)),
@@ -189,11 +302,50 @@ impl Checkpoint {
         [*value] = values;
     }
 
-    /// A sum without rounding, word by word.
+    /// A sum without rounding over all processes, word by word; the first one gets it back.
     pub fn sum(&mut self, name: &str, sum: &mut ExactSum) {
         let mut words = sum.words();
+        if !self.loading
+            && let Some(exchange) = self.ranks.exchange()
+        {
+            exchange.sum(&mut words);
+            words = ExactSum::from_words(&words).words();
+        }
         self.numbers(name, &mut words);
-        *sum = ExactSum::from_words(&words);
+        if self.loading {
+            let first = self.ranks.is_first();
+            *sum = if first { ExactSum::from_words(&words) } else { ExactSum::default() };
+        }
+    }
+
+    /// A count over all processes; the first one gets it back.
+    pub fn count(&mut self, name: &str, count: &mut u64) {
+        let [mut all] = match self.loading {
+            true => [0],
+            false => self.ranks.count([*count as usize]).map(|all| all as u64),
+        };
+        self.number(name, &mut all);
+        if self.loading {
+            *count = if self.ranks.is_first() { all } else { 0 };
+        }
+    }
+
+    /// The largest number of all processes, which is none less than 0; all get it back.
+    pub fn largest(&mut self, name: &str, number: &mut f64) {
+        let mut all = if self.loading { 0.0 } else { self.ranks.largest([*number])[0] };
+        self.number(name, &mut all);
+        if self.loading {
+            *number = all;
+        }
+    }
+
+    /// Is it so in any process? All get it back.
+    pub fn any(&mut self, name: &str, value: &mut bool) {
+        let mut any = !self.loading && self.ranks.any(*value);
+        self.flag(name, &mut any);
+        if self.loading {
+            *value = any;
+        }
     }
 
     /// Three of them.
@@ -281,7 +433,7 @@ mod tests {
     }
 
     fn saved(state: &State) -> (Vec<Entry>, Vec<u8>) {
-        let mut checkpoint = Checkpoint::saving();
+        let mut checkpoint = Checkpoint::saving(&Ranks::default());
         keep(&mut state.clone(), &mut checkpoint);
         (checkpoint.entries().to_vec(), checkpoint.data().to_vec())
     }
@@ -308,6 +460,25 @@ mod tests {
         checkpoint.finish().unwrap();
         assert_eq!(saved(&other), (entries, data));
         assert_eq!(other.last, None);
+    }
+
+    #[test]
+    fn rows_are_saved_in_the_order_of_their_keys() {
+        let (mut ids, mut total, mut records) = (vec![7u32, 1, 3, 9], 5u64, Vec::<[f64; 2]>::new());
+        let row = |place: usize| Row { place, key: [0, [7, 1, 3, 9][place], 0] };
+        let mut checkpoint = Checkpoint::saving(&Ranks::default());
+        // The last one does not count here.
+        checkpoint.rows(&[row(0), row(1), row(2)], |inside| {
+            inside.column("id", &mut ids);
+            inside.records("none", &mut records);
+            inside.number("total", &mut total);
+        });
+        let (entries, data) = (checkpoint.entries().to_vec(), checkpoint.data().to_vec());
+        let mut checkpoint = Checkpoint::loading(entries, data).unwrap();
+        checkpoint.column("id", &mut ids);
+        checkpoint.number("total", &mut total);
+        checkpoint.finish().unwrap();
+        assert_eq!((ids, total), (vec![1, 3, 7], 5));
     }
 
     #[test]

@@ -202,9 +202,10 @@ pub fn interrupted(script: &str, log: Option<&Path>) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parallel::Ranks;
 
     fn file() -> Vec<u8> {
-        let mut checkpoint = Checkpoint::saving();
+        let mut checkpoint = Checkpoint::saving(&Ranks::default());
         checkpoint.column("numbers", &mut vec![1.5, -2.0, f64::NAN]);
         let part = Part {
             name: "a.mpm".to_string(),

@@ -3,19 +3,17 @@
 //! The scene itself - laws, regions, fixes, outputs - is not in it: it comes about by performing the
 //! script once more (`command/restart.rs`). What steps have changed is listed here once, in
 //! [`Simulation::keep`]. Particles keep the order and the tiles of their last sort, from which they
-//! may have moved: the next step then adds everything up in the same order.
+//! may have moved: the next step then adds everything up in the same order. Several processes write
+//! the file that one would, and any number of them reads it.
 
 use super::Simulation;
 use super::progress::Progress;
 use crate::fault::Fault;
-use crate::model::checkpoint::Checkpoint;
+use crate::model::checkpoint::{Checkpoint, Row};
 use crate::model::grid::Grid;
 use crate::output::{file, restart};
 use crate::time_step::TimeStep;
 use std::path::Path;
-
-/// Why several processes can neither write nor read one.
-const SEVERAL: &str = "restart files of several processes are not available yet: run one process";
 
 /// Values of nodes that outlive a step.
 #[derive(Default)]
@@ -39,7 +37,7 @@ impl Nodes {
         let zero = |values: &[[f64; 4]], node: usize| {
             values.get(node).is_none_or(|record| record.iter().all(|x| x.to_bits() == 0))
         };
-        for node in grid.runs.iter().cloned().flatten() {
+        for node in grid.runs.iter().cloned().flatten().filter(|node| grid.counts(*node)) {
             let motion = grid.nodes[node].motion;
             let at_rest = !carried || motion == [0.0; 4];
             if at_rest && zero(&grid.displaced, node) && zero(&grid.external, node) {
@@ -58,11 +56,18 @@ impl Nodes {
     }
 
     fn keep(&mut self, checkpoint: &mut Checkpoint) {
-        checkpoint.column("lattice", &mut self.lattice);
-        checkpoint.records("index", &mut self.index);
-        checkpoint.records("motion", &mut self.motion);
-        checkpoint.records("displacement", &mut self.displaced);
-        checkpoint.records("external", &mut self.external);
+        let rows = self.index.iter().zip(&self.lattice).enumerate();
+        let rows = rows.map(|(place, ([i, j, k], lattice))| {
+            let [i, j, k] = [i, j, k].map(|index| u64::from(*index));
+            Row { place, key: [u64::from(*lattice) << 32 | i, j, k] }
+        });
+        checkpoint.rows(&rows.collect::<Vec<_>>(), |inside| {
+            inside.column("lattice", &mut self.lattice);
+            inside.records("index", &mut self.index);
+            inside.records("motion", &mut self.motion);
+            inside.records("displacement", &mut self.displaced);
+            inside.records("external", &mut self.external);
+        });
         let count = self.lattice.len();
         let all = [self.motion.len(), self.displaced.len(), self.external.len()];
         if self.index.len() != count || all.iter().any(|length| *length != 0 && *length != count) {
@@ -70,14 +75,17 @@ impl Nodes {
         }
     }
 
-    /// Puts the values where they were; false if a node is nowhere.
-    fn give_back(&self, grid: &mut Grid) -> bool {
+    /// Puts the values where they were; gives the number of nodes that this process counts.
+    fn give_back(&self, grid: &mut Grid) -> usize {
+        let mut active = vec![false; grid.len()];
+        grid.runs.iter().cloned().for_each(|run| active[run].fill(true));
+        let mut count = 0;
         for (row, (lattice, index)) in self.lattice.iter().zip(&self.index).enumerate() {
             let lattice = grid.lattices.get(usize::from(*lattice));
             let index = index.map(|index| index as usize);
-            let Some(node) = lattice.and_then(|lattice| lattice.window.local(index)) else {
-                return false;
-            };
+            let node = lattice.and_then(|lattice| lattice.window.local(index));
+            let Some(node) = node.filter(|node| active[*node]) else { continue };
+            count += usize::from(grid.counts(node));
             if let Some(motion) = self.motion.get(row) {
                 grid.nodes[node].motion = *motion;
             }
@@ -89,7 +97,7 @@ impl Nodes {
                 }
             }
         }
-        true
+        count
     }
 }
 
@@ -109,8 +117,9 @@ struct Rubbed {
 impl Rubbed {
     fn of(grid: &Grid) -> Self {
         let mut rubbed = Self::default();
-        for couple in &grid.couples {
-            if couple.drag != [0.0; 3] || couple.slip != [0.0; 3] {
+        for couple in grid.couples.iter().filter(|couple| grid.counts(couple.nodes[0] as usize)) {
+            // Without a drag the slip makes no heat.
+            if couple.drag != [0.0; 3] {
                 rubbed.pair.push(couple.pair);
                 rubbed.number.push(couple.number);
                 rubbed.drag.push(couple.drag);
@@ -121,28 +130,34 @@ impl Rubbed {
     }
 
     fn keep(&mut self, checkpoint: &mut Checkpoint) {
-        checkpoint.column("pair", &mut self.pair);
-        checkpoint.column("number", &mut self.number);
-        checkpoint.records("drag", &mut self.drag);
-        checkpoint.records("slip", &mut self.slip);
+        let rows = self.pair.iter().zip(&self.number).enumerate();
+        let rows =
+            rows.map(|(place, (pair, number))| Row { place, key: [u64::from(*pair), *number, 0] });
+        checkpoint.rows(&rows.collect::<Vec<_>>(), |inside| {
+            inside.column("pair", &mut self.pair);
+            inside.column("number", &mut self.number);
+            inside.records("drag", &mut self.drag);
+            inside.records("slip", &mut self.slip);
+        });
         let all = [self.number.len(), self.drag.len(), self.slip.len()];
         if all.iter().any(|length| *length != self.pair.len()) {
             checkpoint.refuse("the columns of bodies in contact differ in length");
         }
     }
 
-    /// Gives the couples back what they had; false if one is missing. Both stand pair by pair, by
-    /// number.
-    fn give_back(&self, grid: &mut Grid) -> bool {
-        let mut couples = grid.couples.iter_mut();
-        self.pair.iter().enumerate().all(|(row, pair)| {
+    /// Gives the couples back what they had; gives the number of those that this process counts.
+    /// Couples stand pair by pair, by number.
+    fn give_back(&self, grid: &mut Grid) -> usize {
+        let mut count = 0;
+        for (row, pair) in self.pair.iter().enumerate() {
             let key = (*pair, self.number[row]);
-            let couple = couples.find(|couple| (couple.pair, couple.number) == key);
-            couple.is_some_and(|couple| {
-                (couple.drag, couple.slip) = (self.drag[row], self.slip[row]);
-                true
-            })
-        })
+            let place = grid.couples.binary_search_by_key(&key, |one| (one.pair, one.number));
+            let Ok(place) = place else { continue };
+            count += usize::from(grid.counts(grid.couples[place].nodes[0] as usize));
+            let couple = &mut grid.couples[place];
+            (couple.drag, couple.slip) = (self.drag[row], self.slip[row]);
+        }
+        count
     }
 }
 
@@ -158,15 +173,12 @@ struct Sorted {
 }
 
 impl Simulation {
-    /// Writes a restart file.
+    /// Writes a restart file; all processes do so together.
     ///
     /// # Errors
     /// The path and the system's reason.
     pub fn write_restart(&mut self, path: &Path) -> Result<(), Fault> {
-        if !self.world.ranks.is_alone() {
-            return Err(Fault::run(SEVERAL));
-        }
-        let mut checkpoint = Checkpoint::saving();
+        let mut checkpoint = Checkpoint::saving(&self.world.ranks);
         self.captured.prepare(&self.quantities, &self.world);
         let mut sorted = match self.progress {
             Some(_) => Sorted {
@@ -183,8 +195,11 @@ impl Simulation {
             time: self.clock.time,
             solids: self.world.solids.iter().map(|solid| solid.name.as_str()).collect(),
         };
-        let bytes = restart::encode(&self.history, &summary, &checkpoint);
-        file::write_whole(path, &bytes)?;
+        let written = match self.world.ranks.is_first() {
+            true => file::write_whole(path, &restart::encode(&self.history, &summary, &checkpoint)),
+            false => Ok(()),
+        };
+        self.world.ranks.agree(written.err(), &mut [])?;
         self.outputs.note_file(path, self.clock.step);
         Ok(())
     }
@@ -193,10 +208,8 @@ impl Simulation {
     ///
     /// # Errors
     /// What does not fit.
-    pub fn restore(&mut self, mut checkpoint: Checkpoint) -> Result<(), String> {
-        if !self.world.ranks.is_alone() {
-            return Err(SEVERAL.to_string());
-        }
+    pub fn restore(&mut self, checkpoint: Checkpoint) -> Result<(), String> {
+        let mut checkpoint = checkpoint.of_ranks(&self.world.ranks);
         self.board.values.resize(self.quantities.len(), 0.0);
         self.captured.prepare(&self.quantities, &self.world);
         let mut sorted = Sorted::default();
@@ -230,7 +243,8 @@ impl Simulation {
         let world = &mut self.world;
         self.loops.sorter.restore(world, &mut self.loops.tiles, &sorted.cells, corners);
         let grid = &mut world.grid;
-        if !(sorted.nodes.give_back(grid) && sorted.rubbed.give_back(grid)) {
+        let given = [sorted.nodes.give_back(grid), sorted.rubbed.give_back(grid)];
+        if world.ranks.count(given) != [sorted.nodes.index.len(), sorted.rubbed.pair.len()] {
             return Err(outside());
         }
         let (particles, nodes) = (world.particles.len(), world.grid.len());
@@ -268,9 +282,12 @@ impl Simulation {
         checkpoint.within("next", |inside| TimeStep::keep(&mut self.next, inside));
         checkpoint.within("floor", |inside| self.floor.keep(inside));
         checkpoint.within("loop", |inside| self.loops.keep(inside));
+        let rows = if checkpoint.is_loading() { Vec::new() } else { self.rows() };
         checkpoint.within("particle", |inside| {
-            self.world.particles.keep(inside);
-            inside.records("cell", &mut sorted.cells);
+            inside.rows(&rows, |inside| {
+                self.world.particles.keep(inside);
+                inside.records("cell", &mut sorted.cells);
+            });
         });
         checkpoint.within("node", |inside| {
             sorted.nodes.keep(inside);
@@ -284,6 +301,16 @@ impl Simulation {
         checkpoint.within("group", |inside| self.captured.keep(inside));
         checkpoint.within("fix", |inside| self.keep_fixes(inside));
         checkpoint.within("output", |inside| self.outputs.keep(inside));
+    }
+
+    /// The particles of this process, in the order of the last sort; by id if none counts.
+    fn rows(&self) -> Vec<Row> {
+        let particles = &self.world.particles;
+        let row = |place| match self.progress {
+            Some(_) => Row { place, key: self.loops.sorter.key(place) },
+            None => Row { place, key: [u64::from(particles.id[place]), 0, 0] },
+        };
+        particles.counted().map(row).collect()
     }
 
     fn keep_solids(&mut self, checkpoint: &mut Checkpoint) {

@@ -13,7 +13,6 @@ use crate::model::column::{Column, ColumnSet};
 use crate::model::grid::Keeps;
 use crate::model::group::GroupId;
 use crate::output::Snapshot;
-use crate::parallel::Ranks;
 use crate::plan::Plan;
 use crate::scheme::{Hooks, Loops, Parts, Scatter};
 use crate::script::formula::{Instant, Slot};
@@ -26,14 +25,6 @@ use crate::world::{Solid, Spreading, World};
 /// below the cube of the smallest weight: a node near which a particle has a gradient weight must
 /// have a velocity, or free flight past a corner of a cell would make strain.
 const EMPTY: f64 = 1e-40;
-
-/// The first domain that was cut, of those that each process knows of.
-fn first_cut(ranks: &Ranks, here: Option<(u32, f64)>) -> Option<(u32, f64)> {
-    let numbers: Vec<f64> = here.iter().flat_map(|(id, time)| [f64::from(*id), *time]).collect();
-    let all = ranks.share(&numbers);
-    let each = all.as_chunks::<2>().0.iter().map(|[id, time]| (*id as u32, *time));
-    each.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
-}
 
 impl Simulation {
     /// Runs. Whatever the caller may have changed since the last run counts.
@@ -108,12 +99,12 @@ impl Simulation {
 
     /// Warnings and figures at the end of a run.
     fn end_run(&mut self, steps: u64) -> Result<(), Fault> {
-        let Loops { clipped, removed, bounced, cut, .. } = &self.loops;
+        let Loops { clipped, removed, bounced, .. } = &self.loops;
         let counts = [*clipped, *removed, *bounced].map(|count| count as usize);
         let ranks = &self.world.ranks;
         let [clipped, removed, bounced, particles] =
             ranks.count([counts[0], counts[1], counts[2], self.world.particles.len()]);
-        let cut = first_cut(ranks, *cut);
+        let cut = self.loops.first_cut(ranks);
         if clipped > 0 {
             self.outputs.warn(&format!(
                 "in {clipped} particle-steps the density was beyond 98 % of the pole of the shock curve; \
@@ -473,9 +464,14 @@ impl Simulation {
         if !self.outputs.is_due(self.clock.step, last) {
             return Ok(());
         }
-        let result = self.write(last);
+        let written = self.write(last);
+        let written = self.world.ranks.agree(written.err(), &mut []);
+        let saved = written.and_then(|()| match self.outputs.restart_due(self.clock.step) {
+            Some(path) => self.write_restart(&path),
+            None => Ok(()),
+        });
         self.loops.timing.end(Phase::Output);
-        self.world.ranks.agree(result.err(), &mut [])
+        saved
     }
 
     fn write(&mut self, last: bool) -> Result<(), Fault> {
@@ -505,10 +501,6 @@ impl Simulation {
         };
         let world = whole.as_ref().unwrap_or(&self.world);
         let snapshot = Snapshot { step: self.clock.step, time: self.clock.time, world };
-        self.outputs.write(&snapshot, &self.board, &now, next.limit.name(), last)?;
-        match self.outputs.restart_due(self.clock.step) {
-            Some(path) => self.write_restart(&path),
-            None => Ok(()),
-        }
+        self.outputs.write(&snapshot, &self.board, &now, next.limit.name(), last)
     }
 }

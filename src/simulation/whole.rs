@@ -14,7 +14,9 @@ pub fn gather(world: &mut World, nodes: bool) -> Option<World> {
     let exist = deal::present_records(&mut world.particles, &ranks);
     let own: Vec<usize> = world.particles.counted().collect();
     let letters = exchange.gather(&deal::pack(&mut world.particles, &exist, &own));
-    let mut whole = World { grid: Grid::default(), ranks: Ranks::default(), ..world.clone() };
+    let grid = std::mem::take(&mut world.grid);
+    let mut whole = World { ranks: Ranks::default(), ..world.clone() };
+    world.grid = grid;
     let none = vec![false; whole.particles.len()];
     whole.particles.retain(&none);
     whole.particles.counted_elsewhere = false;
@@ -22,7 +24,7 @@ pub fn gather(world: &mut World, nodes: bool) -> Option<World> {
         deal::unpack(&mut whole.particles, &exist, letter);
     }
     if nodes {
-        whole.grid = gather_nodes(exchange, &world.grid);
+        whole.grid = gather_nodes(exchange, &mut world.grid);
     }
     Some(whole)
 }
@@ -47,10 +49,11 @@ fn key(grid: &Grid, place: usize) -> u64 {
     (number as u64) << 48 | lattice.number(lattice.window.node(place))
 }
 
-fn gather_nodes(exchange: &dyn Exchange, grid: &Grid) -> Grid {
-    let mut own = grid.clone();
+fn gather_nodes(exchange: &dyn Exchange, grid: &mut Grid) -> Grid {
     let mut letter = Vec::new();
-    for place in grid.runs.iter().cloned().flatten().filter(|place| grid.counts(*place)) {
+    let places: Vec<usize> =
+        grid.runs.iter().cloned().flatten().filter(|place| grid.counts(*place)).collect();
+    for place in places {
         let Node { motion, change } = grid.nodes[place];
         letter.extend_from_slice(&key(grid, place).to_le_bytes());
         let mut put = |numbers: [f64; 4]| {
@@ -59,7 +62,7 @@ fn gather_nodes(exchange: &dyn Exchange, grid: &Grid) -> Grid {
         put(motion);
         put(change);
         for array in ARRAYS {
-            put(array(&mut own).0.get(place).copied().unwrap_or_default());
+            put(array(grid).0.get(place).copied().unwrap_or_default());
         }
     }
     let letters = exchange.gather(&letter);
