@@ -29,6 +29,7 @@ use crate::timing::{Phase, Timing};
 use crate::transfer::{Transfer, TransferKind};
 use crate::watch;
 use crate::world::World;
+use std::time::Instant;
 
 /// Which fixes act at which stage, and what their formulas read.
 #[derive(Default)]
@@ -193,9 +194,11 @@ impl Parts<'_> {
         }
         let mut result = Ok(());
         for fix in &hooks.at[stage as usize] {
+            let start = Instant::now();
             let step = &mut Step { clock: self.clock, world: self.world, board: self.board };
             // Each fix acts, so that all processes make the same calls.
             result = result.and(self.fixes[*fix].1.apply(stage, step));
+            self.loops.timing.aside_fix(*fix, start);
         }
         self.loops.timing.end(Phase::Fixes);
         result
@@ -254,7 +257,9 @@ impl Parts<'_> {
         self.note_start();
         self.find_surfaces();
         if self.world.grid.keeps.temperature {
+            let start = Instant::now();
             conduction::collect(&mut self.loops.tiles, self.world);
+            self.loops.timing.aside(Phase::Heat, start);
         }
         self.meet(Velocities::Momenta);
         self.world.grid.external.fill([0.0; 4]);
@@ -277,26 +282,33 @@ impl Parts<'_> {
         self.world.grid.held.clear();
         let rigid = self.world.has_rigid_nodes();
         if rigid {
+            let start = Instant::now();
             if !self.world.rigid.flagged {
                 rigid::flag(&mut self.loops.tiles, self.world);
             }
             let (axes, dt) = (self.world.domain.dimension, self.clock.dt);
             rigid::set(&mut self.world.grid, axes, dt, self.transfer.blend(dt));
+            self.loops.timing.aside(Phase::Rigid, start);
         }
         self.meet(Velocities::Updated);
         if rigid {
+            let start = Instant::now();
             rigid::react(&self.loops.tiles, self.world);
+            self.loops.timing.aside(Phase::Rigid, start);
         }
         if self.world.grid.keeps.temperature {
+            let start = Instant::now();
             conduction::conduct(&mut self.loops.tiles, self.world, self.clock.dt);
+            self.loops.timing.aside(Phase::Heat, start);
         }
         self.loops.timing.end(Phase::Grid);
         self.act(Stage::PostUpdateGridState)?;
         self.hold_axis();
         self.note_changes();
         if let Some(terms) = self.transfer.filter_terms() {
+            let start = Instant::now();
             filter::apply(&mut self.loops.tiles, self.world, &mut self.loops.spare, terms);
-            self.loops.timing.end(Phase::Grid);
+            self.loops.timing.aside(Phase::Filter, start);
         }
         Ok(())
     }
@@ -496,9 +508,11 @@ impl Parts<'_> {
     /// F-bar: the average of tr L over the particles around each node.
     fn average_dilation(&mut self) {
         if self.world.method.averaged_dilation {
+            let start = Instant::now();
             self.world.grid.dilation.fill(0.0);
             dilation::sweep(&mut self.loops.tiles, self.world);
             grid::average_dilation(&mut self.world.grid);
+            self.loops.timing.aside(Phase::Dilation, start);
         }
     }
 

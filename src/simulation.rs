@@ -3,10 +3,12 @@
 mod agree;
 mod describe;
 pub mod fill;
+mod overlap;
 mod progress;
 mod restart;
 mod run;
 mod setup;
+mod trial;
 mod whole;
 
 use crate::compute::Compute;

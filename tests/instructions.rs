@@ -46,3 +46,33 @@ fn elastic_steps_stay_within_their_budget() {
         }
     }
 }
+
+/// A ball that flies through a box with walls at so many times its size.
+fn bullet(size: u32, steps: u32) -> String {
+    format!(
+        "method(ulmpm, FLIP, linear, 1)\n\
+         dimension(3, -{size}, {size}, -{size}, {size}, -{size}, {size}, 1/8)\n\
+         region(ball, sphere, 0, 0, 0, 0.7)\n\
+         material(lead, linear, 1000, 1e5, 0.3)\n\
+         solid(ball, region, ball, 2, lead, 1/8)\n\
+         fix(fly, initial_velocity_particles, all, 0.3, 0.2, 0.1)\n\
+         run({steps})\n"
+    )
+}
+
+#[test]
+fn a_box_a_hundred_times_larger_costs_nothing() {
+    if cfg!(debug_assertions) {
+        println!("not tested: instructions are counted in release builds");
+        return;
+    }
+    let count = |size| {
+        callgrind::per_particle_step(cargo_bin!("karamelo-rs"), 5896, |steps| bullet(size, steps))
+    };
+    let (Some(small), Some(large)) = (count(1), count(100)) else {
+        println!("not tested: valgrind is not installed");
+        return;
+    };
+    println!("{small} instructions per particle-step in the small box, {large} in the large one");
+    assert!(large as f64 <= 1.05 * small as f64);
+}

@@ -330,7 +330,7 @@ pub fn thermal_blend(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, D
 
 /// `anti_locking(none|fbar)`
 pub fn anti_locking(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
-    averaged_dilation(args, scene, "remedy for locking", ["none", "fbar"])
+    averaged_dilation(args, scene, "a remedy for locking", ["none", "fbar"])
 }
 
 /// `anti_volumetric_locking(true|false)`, another word for `anti_locking`.

@@ -145,6 +145,8 @@ pub struct Tiles {
     pub parallel: bool,
     /// Nodes shared with other processes.
     pub ghosts: Ghosts,
+    /// Sweeps so far, and those of them that added to nodes.
+    pub counts: [usize; 2],
 }
 
 impl Tiles {
@@ -165,6 +167,8 @@ impl Tiles {
 
     /// The same, compiled once for all kinds of work: one call a tile goes through the pointer.
     fn sweep_with(&mut self, arrays: &[&dyn NodeArray], work: &Work<'_>) -> Report {
+        self.counts[0] += 1;
+        self.counts[1] += usize::from(!arrays.is_empty());
         let Self { ranges, lattices, frames, colours, reports, parallel, ghosts, .. } = self;
         let reports = Shared::new(reports);
         let job = Job { ranges, lattices, frames, reports, work };

@@ -380,7 +380,7 @@ impl Outputs {
             let all: f64 = timing.seconds().map(|(_, spent)| spent).sum();
             for (phase, spent) in timing.seconds().filter(|(_, spent)| *spent > 0.0) {
                 self.log.line(&format!(
-                    "  {phase:<12}{spent:>10.4} s {:>6.1} %",
+                    "  {phase:<16}{spent:>10.4} s {:>6.1} %",
                     100.0 * spent / all
                 ))?;
             }

@@ -3,7 +3,9 @@
 use super::{Parts, SchemeKind};
 use crate::kernel::contact::{self, Velocities};
 use crate::kernel::{ledger, rigid, surfaces};
+use crate::timing::Phase;
 use crate::world::World;
+use std::time::Instant;
 
 impl Parts<'_> {
     /// Does any body have velocities of its own?
@@ -16,10 +18,12 @@ impl Parts<'_> {
         if !self.has_contact() || self.world.contacts.ready {
             return;
         }
+        let start = Instant::now();
         if self.world.has_rigid_nodes() && !self.world.rigid.flagged {
             rigid::flag(&mut self.loops.tiles, self.world);
         }
         surfaces::find(&mut self.loops.tiles, self.world);
+        self.loops.timing.aside(Phase::Contact, start);
     }
 
     /// Bodies exchange momentum where they meet.
@@ -28,7 +32,9 @@ impl Parts<'_> {
             return;
         }
         self.find_surfaces();
+        let start = Instant::now();
         contact::meet(self.world, which, self.clock.dt);
+        self.loops.timing.aside(Phase::Contact, start);
         let world = &mut *self.world;
         let strained = which == Velocities::Momenta && self.scheme == SchemeKind::Usf;
         if strained && world.ledger.open {
@@ -41,11 +47,12 @@ impl Parts<'_> {
         if !self.has_contact() {
             return;
         }
-        let dt = self.clock.dt;
+        let (dt, start) = (self.clock.dt, Instant::now());
         self.note_contact_power(-dt);
         contact::meet(self.world, Velocities::Mapped, dt);
         // The particles will strain with velocities that they do not have.
         self.note_contact_power(dt);
+        self.loops.timing.aside(Phase::Contact, start);
     }
 
     /// Notes dt times the power of the internal forces where bodies meet, if the ledger is open.

@@ -4,7 +4,9 @@ use super::{Parts, SchemeKind};
 use crate::compute::energy::kinetic_energy;
 use crate::kernel::{gather, grid, ledger};
 use crate::model::group::GroupId;
+use crate::timing::Phase;
 use crate::transfer::TransferKind;
+use std::time::Instant;
 
 impl Parts<'_> {
     /// Books what has changed the particles since the last step: H1, particles that have left.
@@ -13,8 +15,10 @@ impl Parts<'_> {
         self.book_particles();
         let world = &mut *self.world;
         if world.ledger.open {
+            let start = Instant::now();
             world.ledger.fit(world.grid.len(), world.particles.len());
             ledger::note_internal(&mut world.ledger, &world.grid);
+            self.loops.timing.aside(Phase::Ledger, start);
         }
     }
 
@@ -22,7 +26,9 @@ impl Parts<'_> {
     pub fn note_forces(&mut self) {
         let world = &mut *self.world;
         if world.ledger.open {
+            let start = Instant::now();
             ledger::note_external(&mut world.ledger, &world.grid);
+            self.loops.timing.aside(Phase::Ledger, start);
         }
     }
 
@@ -30,8 +36,10 @@ impl Parts<'_> {
     pub fn note_changes(&mut self) {
         let world = &mut *self.world;
         if world.ledger.open {
+            let start = Instant::now();
             ledger::note_contact(&mut world.ledger, &mut world.grid, self.clock.dt);
             ledger::note_changes(&mut world.ledger, &world.grid, self.clock.dt);
+            self.loops.timing.aside(Phase::Ledger, start);
         }
     }
 
@@ -41,6 +49,7 @@ impl Parts<'_> {
         if !self.world.ledger.open {
             return;
         }
+        let start = Instant::now();
         // MLS takes strains from the velocities that it has gathered.
         let updated = self.scheme == SchemeKind::Usl
             || self.scheme == SchemeKind::Musl && self.transfer.kind == TransferKind::Mls;
@@ -59,6 +68,7 @@ impl Parts<'_> {
         if !mapped {
             grid::clear_mapped(&mut world.grid, self.loops.tiles.parallel);
         }
+        self.loops.timing.aside(Phase::Ledger, start);
     }
 
     /// Books what has been done to the particles since their kinetic energy was last taken: by fixes
@@ -66,17 +76,21 @@ impl Parts<'_> {
     pub fn book_particles(&mut self) {
         let world = &mut *self.world;
         if world.ledger.open {
+            let start = Instant::now();
             let kinetic = kinetic_energy(world, GroupId::ALL);
             let sums = &mut world.ledger.sums;
             sums.boundary += kinetic - sums.kinetic;
             sums.kinetic = kinetic;
+            self.loops.timing.aside(Phase::Ledger, start);
         }
     }
 
     /// Books what the stress has done.
     pub fn book_stress(&mut self) {
         if self.world.ledger.open {
+            let start = Instant::now();
             self.world.ledger.collect(&self.world.ranks);
+            self.loops.timing.aside(Phase::Ledger, start);
         }
     }
 }

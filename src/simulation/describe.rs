@@ -1,5 +1,7 @@
 //! What a run is about: the summary at its start, and `check`.
 
+use super::overlap::overlapping;
+use super::trial::{Trial, duration};
 use super::{Simulation, Until};
 use crate::fault::Fault;
 use crate::kernel::survey::Survey;
@@ -36,6 +38,24 @@ fn on_processes(survey: &Survey) -> String {
          (at most {} and {})",
         messages[0], nodes[0], messages[1], nodes[1]
     )
+}
+
+/// What steps cost, and so the run.
+fn add_trial(text: &mut String, trial: &Trial, steps: Option<u64>) {
+    let Trial { steps: played, seconds, sweeps, scatters } = trial;
+    let run = steps.map(|steps| format!("about {}, ", duration(steps as f64 * seconds)));
+    let _ = writeln!(
+        text,
+        "{:<20}{}{} per step (the first {played}, without outputs)",
+        "time",
+        run.unwrap_or_default(),
+        duration(*seconds)
+    );
+    let _ = writeln!(
+        text,
+        "{:<20}{sweeps:.1} over the particles per step, {scatters:.1} of them add to nodes",
+        "sweeps"
+    );
 }
 
 impl Simulation {
@@ -162,20 +182,40 @@ impl Simulation {
     /// A formula of a fix that is not finite.
     pub fn describe(&mut self, until: &Until, processes: &[usize]) -> Result<String, Fault> {
         self.ready()?;
+        let played = self.world.ranks.is_alone() && !self.world.particles.is_empty();
+        let trial = if played { Some(self.trial()) } else { None };
+        self.ready()?;
         let mut text = String::new();
         for (name, value) in self.summary() {
             let _ = writeln!(text, "{name:<20}{value}");
         }
-        if let Some(steps) = self.expected_steps(until) {
+        let steps = self.expected_steps(until);
+        if let Some(steps) = steps {
             let _ = writeln!(text, "{:<20}about {steps}", "steps");
         }
+        match trial {
+            Some(Ok(trial)) => add_trial(&mut text, &trial, steps),
+            Some(Err(fault)) => {
+                let _ = writeln!(text, "{:<20}the first steps end with: {fault}", "time");
+            }
+            None => {}
+        }
         let _ = writeln!(text, "{:<20}{}", "bytes per particle", self.world.particles.bytes_each());
+        let columns = self.world.particles.present.iter().map(|column| column.info().name);
+        let _ = writeln!(text, "{:<20}{}", "columns", columns.collect::<Vec<_>>().join(" "));
         for (effect, reason) in self.effects() {
             let _ = writeln!(text, "  {effect:<28}{reason}");
         }
         for processes in processes {
             let survey = self.loops.sorter.survey(&self.world, &self.loops.tiles, *processes);
             let _ = writeln!(text, "{}", on_processes(&survey));
+        }
+        for ([a, b], count) in overlapping(&self.world) {
+            let [a, b] = [a, b].map(|solid| &self.world.solids[solid].name);
+            let _ = writeln!(
+                text,
+                "  solids {a} and {b} overlap: {count} cells have more matter of both than room for it"
+            );
         }
         for (index, group) in self.world.groups.0.iter().enumerate().skip(1) {
             let count = match &group.members {
@@ -190,7 +230,8 @@ impl Simulation {
                 }
             };
             let [count] = self.world.ranks.count([count]);
-            let _ = writeln!(text, "  group {:<20}{count} members now", group.name);
+            let empty = if count == 0 { ": nothing acts on it yet" } else { "" };
+            let _ = writeln!(text, "  group {:<20}{count} members now{empty}", group.name);
         }
         Ok(text)
     }

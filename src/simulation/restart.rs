@@ -226,6 +226,14 @@ impl Simulation {
         Ok(())
     }
 
+    /// The state between runs, without a file.
+    pub(super) fn remember(&mut self) -> Checkpoint {
+        self.disturb();
+        let mut checkpoint = Checkpoint::saving(&self.world.ranks);
+        self.keep(&mut checkpoint, &mut Sorted::default());
+        checkpoint
+    }
+
     /// Tiles, windows and nodes as they were.
     fn restore_order(&mut self, sorted: &Sorted) -> Result<(), String> {
         let outside = || "a particle or node lies outside of the grid".to_string();

@@ -193,8 +193,8 @@ impl Simulation {
     }
 
     /// Start of a run (language.md 7.2): columns, fixes that act once, nodes, first dt.
-    fn prepare(&mut self) -> Result<Hooks, Fault> {
-        self.loops.timing.restart();
+    pub(super) fn prepare(&mut self) -> Result<Hooks, Fault> {
+        self.loops.timing.restart(self.fixes.iter().map(|(id, _)| id.as_str()));
         self.loops.fault = None;
         self.loops.tiles.ghosts.traffic = Traffic::default();
         self.interrupted = self.world.ranks.any(interrupt::requested());
@@ -212,7 +212,7 @@ impl Simulation {
 
     /// Start of a run that goes on with the last one: all is as its last step left it.
     fn continued(&mut self) -> Hooks {
-        self.loops.timing.restart();
+        self.loops.timing.restart(self.fixes.iter().map(|(id, _)| id.as_str()));
         self.loops.fault = None;
         self.interrupted = self.world.ranks.any(interrupt::requested());
         self.board.values.resize(self.quantities.len(), 0.0);
@@ -408,7 +408,7 @@ impl Simulation {
     }
 
     /// Chooses the size of the coming step.
-    fn choose_step(&mut self, progress: &Progress) -> Result<(), Fault> {
+    pub(super) fn choose_step(&mut self, progress: &Progress) -> Result<(), Fault> {
         let mut next = self.next.unwrap_or_else(|| self.stable_now());
         if self.fixed_dt.is_none() {
             if let Some(previous) = progress.previous {
@@ -441,13 +441,13 @@ impl Simulation {
     }
 
     /// One step of the scheme.
-    fn step(&mut self, hooks: &Hooks) -> Result<(), Fault> {
+    pub(super) fn step(&mut self, hooks: &Hooks) -> Result<(), Fault> {
         self.clock.step += 1;
         self.scheme.step(&mut self.parts(hooks))
     }
 
     /// t <- t + dt; with `set_dt` t = t_start + k dt; the last step lands on the end.
-    fn advance_clock(&mut self, progress: &mut Progress) {
+    pub(super) fn advance_clock(&mut self, progress: &mut Progress) {
         let time = match self.fixed_dt {
             Some(dt) => progress.start + progress.steps as f64 * dt,
             None => self.clock.end(),
