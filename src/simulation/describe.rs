@@ -29,15 +29,39 @@ fn cells_in_words(cells: &Domain) -> String {
     format!("{} cells of {}", counts.join(" x "), cells.cell)
 }
 
-/// Loads and messages of a scene on several processes.
-fn on_processes(survey: &Survey) -> String {
+/// Loads and messages of a scene on several processes, and how fast they would be.
+fn on_processes(survey: &Survey, trial: Option<&Trial>) -> String {
     let Survey { processes, imbalance, uniform_imbalance, messages, nodes } = survey;
+    let speed = trial.map(|trial| format!("; about {:.1} times as fast", speed_up(survey, trial)));
+    let speed = speed.unwrap_or_default();
     format!(
         "  {processes} processes: the fullest has {imbalance:.2} times the mean number of particles (an equal \
          cut of the box: {uniform_imbalance:.2}); a process sends {:.2} messages with {:.2} nodes per sweep \
-         (at most {} and {})",
+         (at most {} and {}){speed}",
         messages[0], nodes[0], messages[1], nodes[1]
     )
+}
+
+/// Seconds that a message between machines takes before its first byte, and bytes per second after
+/// it: a common cluster network.
+const LATENCY: f64 = 2e-6;
+const BANDWIDTH: f64 = 1e10;
+
+/// Bytes that a node takes in a message: mass, momentum and force.
+const NODE_BYTES: f64 = 56.0;
+
+/// Reductions of a step, which pass the processes as a tree, there and back.
+const REDUCTIONS: f64 = 2.0;
+
+/// One process over so many, each with the threads of this one: the fullest one's share of the step,
+/// its messages in every sweep that adds to nodes, and the reductions. Nothing is hidden behind the
+/// work, and caches do not grow with the processes.
+fn speed_up(survey: &Survey, trial: &Trial) -> f64 {
+    let Survey { processes, imbalance, messages, nodes, .. } = survey;
+    let share = trial.seconds * imbalance / *processes as f64;
+    let exchange = trial.scatters * (messages[1] * LATENCY + nodes[1] * NODE_BYTES / BANDWIDTH);
+    let agreement = REDUCTIONS * 2.0 * (*processes as f64).log2().ceil() * LATENCY;
+    trial.seconds / (share + exchange + agreement)
 }
 
 /// What steps cost, and so the run.
@@ -193,8 +217,8 @@ impl Simulation {
         if let Some(steps) = steps {
             let _ = writeln!(text, "{:<20}about {steps}", "steps");
         }
-        match trial {
-            Some(Ok(trial)) => add_trial(&mut text, &trial, steps),
+        match &trial {
+            Some(Ok(trial)) => add_trial(&mut text, trial, steps),
             Some(Err(fault)) => {
                 let _ = writeln!(text, "{:<20}the first steps end with: {fault}", "time");
             }
@@ -208,7 +232,8 @@ impl Simulation {
         }
         for processes in processes {
             let survey = self.loops.sorter.survey(&self.world, &self.loops.tiles, *processes);
-            let _ = writeln!(text, "{}", on_processes(&survey));
+            let trial = trial.as_ref().and_then(|trial| trial.as_ref().ok());
+            let _ = writeln!(text, "{}", on_processes(&survey, trial));
         }
         for ([a, b], count) in overlapping(&self.world) {
             let [a, b] = [a, b].map(|solid| &self.world.solids[solid].name);
@@ -353,5 +378,27 @@ impl Simulation {
                 },
             ),
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_is_shared_until_messages_take_longer() {
+        let trial = Trial { steps: 1, seconds: 1e-3, sweeps: 2.0, scatters: 2.0 };
+        let survey = |processes, messages, nodes| Survey {
+            processes,
+            imbalance: 1.0,
+            uniform_imbalance: 1.0,
+            messages: [messages; 2],
+            nodes: [nodes; 2],
+        };
+        assert_eq!(speed_up(&survey(1, 0.0, 0.0), &trial), 1.0);
+        // 500 us of work, 2 (2 us + 1000 56 B/10 GB/s) of messages, 8 us of reductions.
+        let two = speed_up(&survey(2, 1.0, 1000.0), &trial);
+        assert!((two - 1e-3 / (500e-6 + 2.0 * (2e-6 + 5.6e-6) + 8e-6)).abs() < 1e-9, "{two}");
+        assert!(speed_up(&survey(1 << 20, 20.0, 0.0), &trial) < 10.0);
     }
 }
