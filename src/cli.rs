@@ -2,6 +2,7 @@
 
 mod arguments;
 mod launcher;
+mod reference;
 mod study;
 mod styles;
 mod verify;
@@ -68,7 +69,11 @@ fn run(arguments: Vec<OsString>) -> u8 {
         }
     };
     match task {
-        Task::Styles { .. } | Task::Explain(_) | Task::Text(_) if !ranks.is_first() => DONE,
+        Task::Styles { .. } | Task::Reference(_) | Task::Explain(_) | Task::Text(_)
+            if !ranks.is_first() =>
+        {
+            DONE
+        }
         Task::Run(options) => script(&options, Mode::Run, ranks),
         Task::Check(options) => script(&options, Mode::Check, ranks),
         Task::Study(_) if !ranks.is_alone() => alone("study", ranks),
@@ -76,6 +81,13 @@ fn run(arguments: Vec<OsString>) -> u8 {
         Task::Verify(_) if !ranks.is_alone() => alone("verify", ranks),
         Task::Verify(words) => verify::run(&words),
         Task::Styles { family, name } => show(styles::text(family.as_deref(), name.as_deref())),
+        Task::Reference(folder) => match reference::write(&folder) {
+            Ok(text) => show(Ok(text)),
+            Err(message) => {
+                eprintln!("error: {message}");
+                FILES
+            }
+        },
         Task::Explain(code) => show(
             error::explain(&code)
                 .ok_or_else(|| format!("there is no code `{code}`; codes look like E0203, W0201")),

@@ -10,6 +10,7 @@ mod domain;
 mod files;
 mod hook;
 mod law;
+mod manual;
 mod matter;
 mod method;
 mod output;
@@ -61,18 +62,27 @@ const fn explained(row: Style<Read>, manual: &'static str) -> Style<Read> {
 
 /// All commands.
 pub const COMMANDS: &[Style<Read>] = &[
-    row(
-        "method",
-        "type, sub, shape [, alpha] [, option ...]",
-        "the method, the transfer of velocities and the shape function",
-        method::method,
+    explained(
+        row(
+            "method",
+            "type, sub, shape [, alpha] [, option ...]",
+            "the method, the transfer of velocities and the shape function",
+            method::method,
+        ),
+        manual::METHOD,
     ),
-    row("scheme", "musl|usl|usf", "the order of the parts of a step", method::scheme),
-    row(
-        "dimension",
-        "d, xlo, xhi [, ylo, yhi [, zlo, zhi]], h",
-        "number of dimensions, box and cell size [L]",
-        domain::dimension,
+    explained(
+        row("scheme", "musl|usl|usf", "the order of the parts of a step", method::scheme),
+        manual::SCHEME,
+    ),
+    explained(
+        row(
+            "dimension",
+            "d, xlo, xhi [, ylo, yhi [, zlo, zhi]], h",
+            "number of dimensions, box and cell size [L]",
+            domain::dimension,
+        ),
+        manual::DIMENSION,
     ),
     explained(
         row(
@@ -83,13 +93,19 @@ pub const COMMANDS: &[Style<Read>] = &[
         ),
         domain::AXISYMMETRIC,
     ),
-    row(
-        "stress_rate",
-        "none|jaumann|green_naghdi|logarithmic",
-        "the objective rate of hypoelastic laws",
-        domain::stress_rate,
+    explained(
+        row(
+            "stress_rate",
+            "none|jaumann|green_naghdi|logarithmic",
+            "the objective rate of hypoelastic laws",
+            domain::stress_rate,
+        ),
+        manual::STRESS_RATE,
     ),
-    row("anti_locking", "none|fbar", "a remedy for volumetric locking", method::anti_locking),
+    explained(
+        row("anti_locking", "none|fbar", "a remedy for volumetric locking", method::anti_locking),
+        manual::ANTI_LOCKING,
+    ),
     row(
         "anti_volumetric_locking",
         "true|false",
@@ -120,12 +136,18 @@ on the axis of the wall w; meant for loose particles: hold a body with `velocity
 `bounce` is no force on the nodes: what it does to a particle that neighbours push is in no balance,
 and bodies lose energy or gain some (a block on hats: two and a half times what it came with).",
     ),
-    row("region", "ID, style, ...", "a set of points", matter::region),
+    explained(
+        row("region", "ID, style, ...", "a set of points", matter::region),
+        manual::REGION,
+    ),
     row("eos", "ID, style, ...", "an equation of state", law::eos),
     row("strength", "ID, style, ...", "a strength law", law::strength),
     row("damage", "ID, style, ...", "a damage law", law::damage),
     row("temperature", "ID, style, ...", "a temperature law", law::temperature),
-    row("material", "ID, style, ...", "a material law", law::material),
+    explained(
+        row("material", "ID, style, ...", "a material law", law::material),
+        manual::MATERIAL,
+    ),
     explained(
         row(
             "solid",
@@ -140,11 +162,14 @@ file: lines `x [y [z]] volume`, `#` starts a comment.
 Files are looked for in the working directory, then beside the script. h [L] is the cell size, T0
 the temperature [K].",
     ),
-    row(
-        "group",
-        "ID, particles|nodes, region, regionID [, all | solid, s1, ...]",
-        "particles or nodes that fixes and computes act on",
-        matter::group,
+    explained(
+        row(
+            "group",
+            "ID, particles|nodes, region, regionID [, all | solid, s1, ...]",
+            "particles or nodes that fixes and computes act on",
+            matter::group,
+        ),
+        manual::GROUP,
     ),
     row(
         "create_domain",
@@ -180,9 +205,15 @@ with it.",
 of volume r dr dtheta (dx), inside region and box; (c1, c2) as for the region style `cylinder`; T0
 [K].",
     ),
-    row("fix", "ID, style, group, ...", "something that acts in every step", hook::fix),
+    explained(
+        row("fix", "ID, style, group, ...", "something that acts in every step", hook::fix),
+        manual::FIX,
+    ),
     row("delete_fix", "ID", "removes a fix", hook::delete_fix),
-    row("compute", "ID, style, group", "a number about particles", hook::compute),
+    explained(
+        row("compute", "ID, style, group", "a number about particles", hook::compute),
+        manual::COMPUTE,
+    ),
     row("delete_compute", "ID", "removes a compute", hook::delete_compute),
     explained(
         row(
@@ -194,20 +225,50 @@ of volume r dr dtheta (dx), inside region and box; (c1, c2) as for the region st
         contact::MANUAL,
     ),
     row("delete_contact", "ID", "removes a contact", contact::delete_contact),
-    row("set_dt", "dt|auto", "a constant time step [T], or the adaptive one", run::set_dt),
-    row("dt_factor", "f", "the part of the stable time step that is used, 0.9", run::dt_factor),
+    explained(
+        row("set_dt", "dt|auto", "a constant time step [T], or the adaptive one", run::set_dt),
+        manual::SET_DT,
+    ),
+    explained(
+        row("dt_factor", "f", "the part of the stable time step that is used, 0.9", run::dt_factor),
+        manual::DT_FACTOR,
+    ),
     row("run", "N", "runs N steps", run::run),
-    row("run_time", "T", "runs for a time [T]", run::run_time),
-    row("run_while", "condition", "runs while the condition holds", run::run_while),
-    row("run_until", "condition", "runs until the condition holds", run::run_until),
+    explained(
+        row("run_time", "T", "runs for a time [T]", run::run_time),
+        manual::RUN_TIME,
+    ),
+    explained(
+        row("run_while", "condition", "runs while the condition holds", run::run_while),
+        manual::CONDITION,
+    ),
+    explained(
+        row("run_until", "condition", "runs until the condition holds", run::run_until),
+        manual::CONDITION,
+    ),
     row("set_output", "N", "a log row every N steps; 0: first and last", output::set_output),
     row("log", "N", "old form of set_output", output::log),
-    row("log_modify", "default | custom, name, ...", "columns of the log", output::log_modify),
-    row("dump", "ID, group, style, N, file, field, ...", "a series of files", output::dump),
+    explained(
+        row("log_modify", "default | custom, name, ...", "columns of the log", output::log_modify),
+        manual::LOG_MODIFY,
+    ),
+    explained(
+        row("dump", "ID, group, style, N, file, field, ...", "a series of files", output::dump),
+        manual::DUMP,
+    ),
     row("undump", "ID", "ends a dump", output::undump),
-    row("plot", "ID, N, xname, yname", "a curve", output::plot),
-    row("save_plot", "file", "one figure of all curves", output::save_plot),
-    row("print", "expression | \"text\"", "prints a value or a text", output::print),
+    explained(
+        row("plot", "ID, N, xname, yname", "a curve", output::plot),
+        manual::PLOT,
+    ),
+    explained(
+        row("save_plot", "file", "one figure of all curves", output::save_plot),
+        manual::SAVE_PLOT,
+    ),
+    explained(
+        row("print", "expression | \"text\"", "prints a value or a text", output::print),
+        manual::PRINT,
+    ),
     row(
         "method_modify",
         "sub [, shape [, alpha]]",

@@ -20,6 +20,8 @@ pub enum Task {
     Verify(VerifyWords),
     /// Describe styles.
     Styles { family: Option<String>, name: Option<String> },
+    /// Write the reference of the manual into a folder.
+    Reference(PathBuf),
     /// Explain a code.
     Explain(String),
     /// Print a text.
@@ -115,6 +117,9 @@ enum Command {
         family: Option<String>,
         /// A style of the family
         name: Option<String>,
+        /// Writes all of them as pages of the manual into a folder
+        #[arg(long, value_name = "FOLDER", conflicts_with = "family")]
+        markdown: Option<PathBuf>,
     },
     /// Explains a code such as E0203
     Explain { code: String },
@@ -138,7 +143,8 @@ pub fn parse(arguments: Vec<OsString>) -> Result<Task, clap::Error> {
         }
         Some(Command::Study(words)) => Ok(Task::Study(words)),
         Some(Command::Verify(words)) => Ok(Task::Verify(words)),
-        Some(Command::Styles { family, name }) => Ok(Task::Styles { family, name }),
+        Some(Command::Styles { markdown: Some(folder), .. }) => Ok(Task::Reference(folder)),
+        Some(Command::Styles { family, name, .. }) => Ok(Task::Styles { family, name }),
         Some(Command::Explain { code }) => Ok(Task::Explain(code)),
         Some(Command::Completions { shell }) => {
             let mut text = Vec::new();
@@ -151,6 +157,18 @@ pub fn parse(arguments: Vec<OsString>) -> Result<Task, clap::Error> {
             Ok(Task::Text(String::from_utf8_lossy(&text).into_owned()))
         }
     }
+}
+
+/// The help of the program and of each of its commands.
+pub fn help() -> Vec<(String, String)> {
+    let mut program = CommandLine::command();
+    program.build();
+    let mut texts = vec![("karamelo-rs".to_string(), program.render_long_help().to_string())];
+    for command in program.get_subcommands_mut().filter(|command| command.get_name() != "help") {
+        let name = format!("karamelo-rs {}", command.get_name());
+        texts.push((name, command.render_long_help().to_string()));
+    }
+    texts
 }
 
 /// `-var` becomes `--var`; everything else stays.

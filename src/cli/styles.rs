@@ -20,12 +20,16 @@ use crate::transfer::TRANSFERS;
 use std::fmt::Write;
 
 /// What the manual says of a style.
-struct Entry {
-    name: &'static str,
+pub struct Entry {
+    /// The word in the script.
+    pub name: &'static str,
     usage: &'static str,
-    summary: &'static str,
-    manual: &'static str,
-    available: bool,
+    /// One sentence.
+    pub summary: &'static str,
+    /// Equation as coded, units, source.
+    pub manual: &'static str,
+    /// Can it be used, or is the name reserved?
+    pub available: bool,
 }
 
 fn entries<B>(table: &'static [Style<B>]) -> Vec<Entry> {
@@ -39,7 +43,8 @@ fn entries<B>(table: &'static [Style<B>]) -> Vec<Entry> {
     table.iter().map(entry).collect()
 }
 
-const FAMILIES: [&str; 15] = [
+/// The families, in the order of the manual.
+pub const FAMILIES: [&str; 15] = [
     "command",
     "method",
     "transfer",
@@ -57,7 +62,8 @@ const FAMILIES: [&str; 15] = [
     "dump",
 ];
 
-fn family(name: &str) -> Option<Vec<Entry>> {
+/// The styles of a family; `None` if there is no such family.
+pub fn family(name: &str) -> Option<Vec<Entry>> {
     Some(match name {
         "command" => entries(COMMANDS),
         "method" => entries(METHODS),
@@ -79,7 +85,7 @@ fn family(name: &str) -> Option<Vec<Entry>> {
 }
 
 /// How a style of a family is written in a script.
-fn written(family: &str, entry: &Entry) -> String {
+pub fn written(family: &str, entry: &Entry) -> String {
     let before = match family {
         "command" => return format!("{}({})", entry.name, entry.usage),
         "method" => format!("method({}", entry.name),

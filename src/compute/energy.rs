@@ -23,7 +23,7 @@ pub const STRAIN: Style<BuildCompute> = Style {
     name: "strain_energy",
     usage: "",
     summary: "stored energy, sum V sigma:eps_el/2 or sum V0 W [M L^2/T^2]",
-    manual: "Publishes ID. eps_el = C^-1 sigma for hypoelastic laws (language.md 9.6).
+    manual: "Publishes ID. eps_el = C^-1 sigma for hypoelastic laws.
 With `axisymmetric` per radian.",
     build: Some(|_, target| energy(target, "strain_energy", strain_energy)),
 };

@@ -14,7 +14,7 @@ pub const STYLE: Style<BuildEos> = Style {
     summary: "pressure proportional to the change of volume",
     manual: "\
 p = K (1 - J). rho0 [M/L^d], K [P]. Stiffness in the wave speed: K.
-Source: de Vaucorbeil et al. 2020; language.md 9.3.",
+Source: de Vaucorbeil et al. 2020.",
     build: Some(|args| {
         let density = args.positive("the density rho0")?.value;
         let bulk = args.positive("the bulk modulus K")?.value;

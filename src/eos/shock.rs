@@ -21,7 +21,7 @@ viscosity rho h (Q1 h tr^2 D - Q2 c0 sqrt(J) tr D) is added. Beyond 98 % of the 
 eta = S/(S - 1) the curve goes on along its tangent; the run counts how often.
 rho0 [M/L^d], K [P] (lower bound of the stiffness in dt), c0 [L/T], cv [L^2/(T^2 K)], Tr [K].
 Stiffness in the wave speed: max(K, rho dp/drho).
-Source: de Vaucorbeil et al. 2020, eqs 2.8 to 2.10; language.md 9.3.",
+Source: de Vaucorbeil et al. 2020, eqs 2.8 to 2.10.",
     build: Some(|args| Ok(Arc::new(read(args)?))),
 };
 

@@ -28,7 +28,7 @@ the velocity of the tip do not enter the force. In three dimensions the wedge re
 Limits an adaptive dt to 0.2 sqrt(m/k), k = dF/dp.
 Publishes the total force in ID_x, ID_y, ID_z and the work done so far in ID_s:
 sum F.dx, dx the mean of the ways before and after, as in the energy ledger.
-Source: de Vaucorbeil et al. 2020, eqs 4.2 to 4.5; language.md 7.4.",
+Source: de Vaucorbeil et al. 2020, eqs 4.2 to 4.5.",
     build: Some(|args, target| {
         target.require("cuttingtool", &[GroupKind::Particles, GroupKind::All])?;
         if target.dimension == 1 {

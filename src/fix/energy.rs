@@ -22,7 +22,7 @@ pub const STRAIN: Style<BuildFix> = Style {
     name: "strain_energy",
     usage: "",
     summary: "publishes the stored energy of a group in ID_s",
-    manual: "Evaluated when read: sum V sigma:eps_el/2, neo-hookean sum V0 W (language.md 9.6).",
+    manual: "Evaluated when read: sum V sigma:eps_el/2, neo-hookean sum V0 W.",
     build: Some(|_, target| energy(target, "strain_energy", strain_energy)),
 };
 

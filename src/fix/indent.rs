@@ -23,7 +23,7 @@ Values may be formulas of time; coordinates beyond the dimension are ignored. Li
 to 0.2 sqrt(m/k), k = 2 K (R - r).
 Publishes the total force in ID_x, ID_y, ID_z and the work done so far in ID_s:
 sum F.dx, dx the mean of the ways before and after, as in the energy ledger.
-Old form: `indent, group, x, y, z, R, K`. Source: language.md 6.6.",
+Old form: `indent, group, x, y, z, R, K`. Source: the fix of this name in LAMMPS.",
     build: Some(|args, target| {
         target.require("indent", &[GroupKind::Particles, GroupKind::All])?;
         Ok(Box::new(Indent::read(args, target)?))

@@ -18,7 +18,10 @@ pub const STYLE: Style<BuildFix> = Style {
     usage: "vx, vy, vz",
     summary: "prescribes the velocity of nodes [L/T]; NULL leaves a component free",
     manual: "H3: v <- v(t), v* <- v(t+dt). H6: v <- v(t+dt).
-Publishes the reaction sum m (v_set - v*)/dt in ID_x, ID_y, ID_z.",
+Publishes the reaction sum m (v_set - v*)/dt in ID_x, ID_y, ID_z: what it takes to stop the nodes.
+With PIC and affine transfers the body gets it to the last digit. FLIP particles take differences of
+nodal velocities alone, and keep what they carry towards a wall: as long as they do, they get less
+than is published; at rest the two are the same.",
     build: Some(|args, target| {
         target.require("velocity_nodes", &[GroupKind::Nodes])?;
         let velocity = Components::read(args, target, ["vx", "vy", "vz"])?;

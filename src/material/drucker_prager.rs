@@ -25,7 +25,7 @@ linearly to c_res, phi_res, psi_res with the part min(1, H ep/(c - c_res)), solv
 rho [M/L^d], E [P], -1 < nu < 0.5, c, sigma_t, H, c_res >= 0 [P], angles in degrees from 0 below 90,
 c_res < c. Wave speed sqrt((K + 4 G/3)/rho). Stored energy V sigma : C^-1 sigma/2.
 A volume that tension has opened is not remembered: the material resists as soon as it is pressed.
-Source: Drucker and Prager 1952; de Souza Neto, Peric and Owen 2008, section 8.3; language.md 9.4.",
+Source: Drucker and Prager 1952; de Souza Neto, Peric and Owen 2008, section 8.3.",
     build: Some(|args, _| {
         let is_last_word = |word: &str| FITS.iter().any(|fit| fit.0 == word);
         let law = Granular::read(args, is_last_word, |args| {

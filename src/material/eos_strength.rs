@@ -25,7 +25,7 @@ deviator, then back to the flow stress). With a `damage` law tension becomes (1 
 particles with D = 1 carry no stress; with a `temperature` law p += 3 K alpha (T - T0) and plastic
 work heats. Wave speed sqrt((K_t + 4 G/3)/rho), K_t the tangent of the eos. Elastic strain
 ln J/3 I + s/(2 G (1 - D)). An `ideal-gas` keeps its own energy and takes neither of the two laws.
-Source: de Vaucorbeil et al. 2020, section 2.2; language.md 9.3, 9.5.",
+Source: de Vaucorbeil et al. 2020, section 2.2.",
     build: Some(|args, families| {
         let eos = (families.eos)(&args.word("an eos ID")?)?;
         let strength = (families.strength)(&args.word("a strength ID")?)?;

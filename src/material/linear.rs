@@ -15,7 +15,7 @@ pub const STYLE: Style<super::BuildMaterial> = Style {
     summary: "hypoelastic: Hooke's law for the rate of the stress",
     manual: "\
 sigma <- Q sigma Q^T + dt (lambda tr D I + 2 G D), with D = sym L and the rotation Q of
-`stress_rate` (language.md 9.2). rho [M/L^d], E [P], -1 < nu < 0.5.
+`stress_rate`. rho [M/L^d], E [P], -1 < nu < 0.5.
 Wave speed sqrt((K + 4 G/3)/rho). Stored energy V sigma : C^-1 sigma/2.
 cp [L^2/(T^2 K)] and kappa [M L/(T^3 K)] go together: particles then store a temperature, which
 `thermo-mechanical` runs conduct.

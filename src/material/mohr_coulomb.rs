@@ -25,7 +25,7 @@ psi_res with the part min(1, H ep/(c - c_res)), solved within the step.
 rho [M/L^d], E [P], -1 < nu < 0.5, c, sigma_t, H, c_res >= 0 [P], angles in degrees from 0 below 90,
 c_res < c. Wave speed sqrt((K + 4 G/3)/rho). Stored energy V sigma : C^-1 sigma/2.
 A volume that tension has opened is not remembered: the material resists as soon as it is pressed.
-Source: Koiter 1953; de Souza Neto, Peric and Owen 2008, section 8.2; language.md 9.4.",
+Source: Koiter 1953; de Souza Neto, Peric and Owen 2008, section 8.2.",
     build: Some(|args, _| Ok(Arc::new(Granular::read(args, |_| false, |_| Ok(MohrCoulomb))?))),
 };
 

@@ -21,7 +21,7 @@ rho [M/L^d], E [P], -1 < nu < 0.5. Wave speed
 sqrt((G (1 + s^2) + lambda (1 - ln J))/(J rho)), s the largest singular value of F.
 cp [L^2/(T^2 K)] and kappa [M L/(T^3 K)] go together: particles then store a temperature, which
 `thermo-mechanical` runs conduct.
-Source: de Vaucorbeil et al. 2020; language.md 9.3, 9.5.",
+Source: de Vaucorbeil et al. 2020.",
     build: Some(|args, _| Ok(Arc::new(NeoHookean(Elastic::read(args)?)))),
 };
 

@@ -17,7 +17,7 @@ v = v* = sum N V v_p/sum N V over rigid particles, anew in every step; other mas
 ignored there. `velocity_particles` on a rigid body publishes the force it takes against the
 material: its impulse is the momentum that the material gains. Total Lagrangian: it acts through contact fixes only. No limit on dt.
 rho [M/L^d] only adds kinetic energy (old form: left out, 0).
-Source: language.md 6.4, 7.3.",
+Source: Karamelo's rule.",
     build: Some(|args, _| {
         if args.remaining() > 0 {
             let density = args.within("the density rho", 0.0, f64::INFINITY)?.value;

@@ -11,7 +11,7 @@ pub const MANUAL: &str = "\
 Nodes every h/2: at a cell's edge (1 - |r|)^2 (|r| < 1), in its middle 1/2 - 2 r^2 (|r| < 1/2), r in
 cells. Positive weights of second degree with cells as wide as those of hats; the slope jumps
 between cells, so that only methods whose particles never cross them use it.
-Source: de Vaucorbeil, Nguyen, Nguyen-Thanh 2020; language.md 9.7.";
+Source: de Vaucorbeil, Nguyen, Nguyen-Thanh 2020.";
 
 /// Bernstein polynomials of degree two: (1 - t)^2, 2 t (1 - t), t^2 with t the place in the cell.
 ///

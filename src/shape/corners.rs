@@ -18,7 +18,7 @@ Half edges r_i, at first along the axes: h/(2 ppc); of a quadrangle or hexahedro
 edges; of other particles those of a square or cube of the volume. r_i follows the material, r <- r + dt L r,
 so r = F r0 (`tlcpdi`: r0 for ever). Corners x -+ r_1 -+ r_2 (-+ r_3); the weight of each is 1/2^d, g_c = R^-T s_c/2^d
 with r_i as the columns of R and s_c the signs of the corner. In one dimension: two ends.
-Source: Sadeghirad, Brannon, Burghardt 2011; language.md 9.7.";
+Source: Sadeghirad, Brannon, Burghardt 2011.";
 
 const FREE: &str = "\
 Corners move with the grid, each for itself: x_c += dt sum N(x_c) v* (`tlcpdi`: they stay). Weights and
@@ -26,7 +26,7 @@ gradients are means of the finite element functions over the domain, exactly. Do
 share their corners' places, so the body has no gaps and no overlaps as long as it moves with the grid.
 Gradients over flat triangles and tetrahedra exceed those of the hats, and so does the stiffness: a mesh
 with slivers needs a smaller step (`dt_factor`).
-Source: Sadeghirad, Brannon, Guilkey 2013; Nguyen et al. 2017; language.md 9.7.";
+Source: Sadeghirad, Brannon, Guilkey 2013; Nguyen et al. 2017.";
 
 /// All domains of CPDI.
 pub const DOMAINS: &[Style<ShapeKind>] = &[

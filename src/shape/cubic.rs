@@ -11,7 +11,7 @@ pub const MANUAL: &str = "\
 Interior node r^2 (|r|/2 - 1) + 2/3 (|r| < 1), (2 - |r|)^3/6 (< 2), r in cells. Node next to a
 border -r^3/3 - r^2 + 2/3 on -1 <= r < 0, border node r^3/6 - r + 1 on 0 <= r < 1 (mirrored at the
 upper border): weights sum to one and places are reproduced up to the walls. Needs four nodes per
-axis. Source: Steffen, Kirby, Berzins 2008; language.md 9.7.";
+axis. Source: Steffen, Kirby, Berzins 2008.";
 
 /// Cubic B-spline: r^2 (|r|/2 - 1) + 2/3 inside |r| < 1, (2 - |r|)^3/6 up to 2.
 ///

@@ -14,7 +14,7 @@ particle of a mesh or list it is half an edge of a square or cube of its volume,
 slope is continuous: no noise of cell crossing. The lattice has one more layer of nodes around the
 box, since boxes of particles at a wall reach beyond it: nodes held there must lie in the region too
 (`INF` reaches them). Stretched material leaves gaps between the boxes: see `cpgimp`.
-Source: Bardenhagen and Kober 2004; language.md 9.7.";
+Source: Bardenhagen and Kober 2004.";
 
 /// One sentence for the table.
 pub const STRETCHED_SUMMARY: &str = "as gimp, but the boxes stretch with the material (cpGIMP)";
@@ -24,7 +24,7 @@ pub const STRETCHED_MANUAL: &str = "\
 As `gimp` with the half sizes l_i = l U_ii, at most h/2, U the right stretch tensor: F = R U. Boxes stay
 parallel to the axes, so that a body which turns by large angles opens gaps between them: CPDI
 follows such turns (`ulcpdi`). In `tlmpm` it would be the same as `gimp`.
-Source: Bardenhagen and Kober 2004; language.md 9.7.";
+Source: Bardenhagen and Kober 2004.";
 
 /// Weights at `r`, in node spacings from node 0 on axes whose last node is `last`, of particles with
 /// the half sizes `half`, 0 < half <= 1/2 of a spacing.

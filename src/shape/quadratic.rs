@@ -11,7 +11,7 @@ pub const MANUAL: &str = "\
 Interior node 3/4 - r^2 (|r| < 1/2), (3/2 - |r|)^2/2 (< 3/2), r in cells; hats in the half cell at
 a border, so that weights sum to one and places are reproduced up to the walls. Needs four nodes
 per axis. The gradient is continuous: second order also where particles cross cells.
-Source: Steffen, Kirby, Berzins 2008; language.md 9.7.";
+Source: Steffen, Kirby, Berzins 2008.";
 
 /// Quadratic B-spline: 3/4 - r^2 inside |r| < 1/2, (3/2 - |r|)^2/2 up to 3/2.
 ///

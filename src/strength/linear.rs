@@ -14,7 +14,7 @@ pub const STYLE: Style<BuildStrength> = Style {
     summary: "elastic deviator",
     manual: "\
 s <- s + 2 G (1 - D) dt dev D; it never yields. G [P].
-Source: de Vaucorbeil et al. 2020; language.md 9.3.",
+Source: de Vaucorbeil et al. 2020.",
     build: Some(|args| Ok(Arc::new(Linear { shear: args.positive("the shear modulus G")?.value }))),
 };
 

@@ -16,7 +16,7 @@ pub const STYLE: Style<BuildStrength> = Style {
     manual: "\
 Y = sigma_y (1 - D); q = sqrt(3/2) |s| of the elastic trial is brought back to Y along s.
 G [P], sigma_y >= 0 [P].
-Source: Wilkins 1964 (radial return); language.md 9.3.",
+Source: Wilkins 1964 (radial return).",
     build: Some(|args| {
         let shear = args.positive("the shear modulus G")?.value;
         let yield_stress = args.within("the yield stress sigma_y", 0.0, f64::INFINITY)?.value;

@@ -18,7 +18,7 @@ pub const STYLE: Style<BuildStrength> = Style {
     manual: "\
 Y = (1 - D) (A + B (ep - C)^n) for ep > C, else (1 - D) A. G [P], A >= 0 [P], B >= 0 [P],
 C >= 0, n >= 0. The plastic increment solves q - 3 G (1 - D) dep = Y(ep + dep).
-Source: Swift 1952; language.md 9.3.",
+Source: Swift 1952.",
     build: Some(|args| {
         let positive = |args: &mut crate::script::arguments::Args<'_>, what: &str| {
             args.within(what, 0.0, f64::INFINITY).map(|number| number.value)

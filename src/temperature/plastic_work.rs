@@ -19,7 +19,7 @@ pub const STYLE: Style<BuildTemperature> = Style {
 dT = chi sigma_f dep/(rho cp) while T < Tm, sigma_f the flow stress; p += 3 K alpha (T - T0).
 0 <= chi <= 1, cp > 0 [L^2/(T^2 K)], kappa >= 0 [M L/(T^3 K)] (read by thermo-mechanical runs
 only), alpha [1/K], T0 [K], the initial temperature unless a solid gives its own, Tm [K].
-Source: de Vaucorbeil et al. 2020, eq. 2.13; language.md 7.6, 9.3.",
+Source: de Vaucorbeil et al. 2020, eq. 2.13.",
     build: Some(|args| Ok(Arc::new(read(args)?))),
 };
 

@@ -17,7 +17,7 @@ H1, for particles of s1 and s2 that overlap: R = V^(1/d)/2, pen = R1 + R2 - r > 
 n from 2 to 1: (4/3) E* sqrt(R1 R2/(R1 + R2) pen^3), in one and two dimensions with PI/4 in place of
 4/3; 1/E* = sum (1 - nu^2)/E, 0 for a rigid solid. Limits an adaptive dt to 0.2 sqrt(m/k), m the
 smaller mass, k = dF/dpen.
-Publishes the force on s1 in ID_x, ID_y, ID_z. Source: Hertz 1882; language.md 7.4.",
+Publishes the force on s1 in ID_x, ID_y, ID_z. Source: Hertz 1882.",
     build: Some(|_, target| {
         Ok(Box::new(Contact::new(target, Hertz { dimension: target.dimension })))
     }),

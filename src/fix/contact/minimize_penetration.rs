@@ -19,7 +19,7 @@ Friction: min(mu F, m12 |v_t|/dt) against the relative tangential velocity v_t, 
 heats both solids, in shares of their conductivities (halves if both are 0), where a temperature is
 stored.
 Publishes the force on s1 in ID_x, ID_y, ID_z, the heat of friction so far in ID_s.
-Source: language.md 7.4.",
+Source: Karamelo's rule; Coulomb's law.",
     build: Some(|args, target| {
         let friction = args.within("the coefficient of friction mu", 0.0, f64::INFINITY)?.value;
         Ok(Box::new(Contact::new(target, MinimizePenetration { friction })))
