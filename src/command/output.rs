@@ -150,7 +150,9 @@ pub fn print(args: &mut Args<'_>, _scene: &mut Scene) -> Result<Action, Diagnost
         let text = args.word("a text")?.text;
         return Ok(action(move |session| session.simulation.outputs.say(&text)));
     }
+    let words: Vec<&str> = args.peek().unwrap_or_default().split_whitespace().collect();
+    let written = words.join(" ");
     let formula = args.formula("an expression", Place::Point)?;
     let value = if formula.reads_point() { None } else { args.current(&formula) };
-    Ok(action(move |session| session.print(&formula, value)))
+    Ok(action(move |session| session.print(&written, value)))
 }

@@ -4,7 +4,7 @@ use crate::fault::Fault;
 use crate::model::domain::Domain;
 use crate::output::Outputs;
 use crate::script::diagnostic::{Diagnostic, render};
-use crate::script::formula::{Formula, Instant, Quantity};
+use crate::script::formula::{Instant, Quantity};
 use crate::script::scope::Measure;
 use crate::script::source::{Source, Span};
 use crate::simulation::Simulation;
@@ -87,10 +87,10 @@ impl Session {
         }
     }
 
-    /// `print(e)`: formula and value.
-    pub fn print(&mut self, formula: &Formula, value: Option<f64>) {
+    /// `print(e)`: the expression as written, and its value.
+    pub fn print(&mut self, written: &str, value: Option<f64>) {
         let value = value.map_or_else(|| "a formula".to_string(), |value| format!("{value}"));
-        self.simulation.outputs.say(&format!("{} = {value}", formula.text()));
+        self.simulation.outputs.say(&format!("{written} = {value}"));
     }
 
     /// Shows the warnings found since the last time.
