@@ -621,12 +621,13 @@ fn a_file_that_the_script_reads_must_be_what_it_was() {
     assert!(said.contains("the file `dots.txt` has changed since"), "{said}");
 }
 
-/// The code of the README that reads a restart file.
+/// The code of the manual that reads a restart file.
 #[test]
 fn numpy_reads_a_restart_file() {
-    let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
-    let readme = std::fs::read_to_string(readme).unwrap();
-    let code = readme.split("```python\n").nth(1).unwrap().split("```").next().unwrap();
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src/formats.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let after = page.split("```python file=read_restart.py\n").nth(1).unwrap();
+    let code = after.split("```").next().unwrap();
     let readers = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/readers/bin/python");
     let python = [readers, PathBuf::from("python3")].into_iter().find(|python| {
         let numpy = Command::new(python).args(["-c", "import numpy"]).output();
@@ -641,7 +642,11 @@ fn numpy_reads_a_restart_file() {
     let check = "\nids = column('particle/id')[:, 0]\n\
         for row in numpy.argsort(ids): print(ids[row], *column('particle/position')[row, :3])\n";
     write(whole.path(), "read.py", &format!("{code}{check}"));
-    let output = Command::new(python).arg("read.py").current_dir(whole.path()).output().unwrap();
+    let output = Command::new(python)
+        .args(["read.py", "state.rst"])
+        .current_dir(whole.path())
+        .output()
+        .unwrap();
     let (text, said) =
         (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success(), "{said}");
