@@ -31,7 +31,7 @@ const DONE: u8 = 0;
 const RUN_FAILED: u8 = 1;
 /// The script or the command line is wrong.
 const WRONG: u8 = 2;
-/// The file system is wrong.
+/// The file system is wrong, or a file that the script names.
 const FILES: u8 = 3;
 const USAGE: &str = "\
 usage: karamelo-rs SCRIPT            runs a script
@@ -152,7 +152,7 @@ fn script(options: &Options, mode: Mode, ranks: &Ranks) -> u8 {
     let threads = options.threads.or(launcher::threads(ranks));
     let _ = pool.num_threads(threads.unwrap_or(0)).build_global();
     let name = options.script.display().to_string();
-    let (source, encoding, finishes_run) = match restart::is_restart(&bytes) {
+    let (source, encoding, finishes_run) = match restart::is_restart_file(&name, &bytes) {
         false => {
             let (source, encoding) = Source::from_bytes(name, &bytes);
             (source, encoding, false)
@@ -174,8 +174,7 @@ fn script(options: &Options, mode: Mode, ranks: &Ranks) -> u8 {
     let (mut script, mut found) = play::rehearse_with(source, &wishes);
     script.finishes_run = finishes_run;
     found.extend(encoding);
-    let errors = || found.iter().filter(|d| d.severity == Severity::Error);
-    let wrong = errors().next().is_some();
+    let wrong = found.iter().any(|mistake| mistake.severity == Severity::Error);
     let [first_is_wrong, any_is_wrong] =
         ranks.largest([wrong && ranks.is_first(), wrong].map(f64::from)).map(|wrong| wrong > 0.0);
     // Files that only another process cannot read are its own to report.
@@ -183,8 +182,7 @@ fn script(options: &Options, mode: Mode, ranks: &Ranks) -> u8 {
         report(&found, &script.source);
     }
     if any_is_wrong {
-        let files = errors().all(|mistake| mistake.code == Code::FileSystem);
-        return if files { FILES } else { WRONG };
+        return code_of(&found);
     }
     install_signals();
     let outputs = Outputs::new(OutputOptions {
@@ -246,12 +244,19 @@ fn stopped(stop: Stop, session: &mut Session) -> u8 {
             None => {}
         }
     }
-    match stop {
-        Stop::Script(_) => WRONG,
+    match &stop {
+        Stop::Script(mistakes) => code_of(mistakes),
         Stop::Interrupted => interrupt::exit_code_now(),
         Stop::Fault(Fault { kind: FaultKind::Run, .. }) => RUN_FAILED,
         Stop::Fault(Fault { kind: FaultKind::File, .. }) => FILES,
     }
+}
+
+/// The exit code of mistakes in a script: are they only about files that are missing or damaged?
+fn code_of(found: &[Diagnostic]) -> u8 {
+    let mut errors = found.iter().filter(|mistake| mistake.severity == Severity::Error);
+    let of_files = |mistake: &Diagnostic| matches!(mistake.code, Code::FileSystem | Code::BadFile);
+    if errors.all(of_files) { FILES } else { WRONG }
 }
 
 /// Tells why the performance ended early.

@@ -239,3 +239,202 @@ fn what_cannot_be_written_ends_with_3_and_its_name() {
     let output = run(place.path(), ".");
     assert_eq!(output.status.code(), Some(3), "{}", said(&output));
 }
+
+/// A small file system in memory, unmounted in the end; `None` where nothing may be mounted.
+struct SmallDisk(TempDir);
+
+impl SmallDisk {
+    fn new(size: &str) -> Option<Self> {
+        let place = tempfile::tempdir().unwrap();
+        let options = format!("size={size}");
+        let mount = Command::new("mount")
+            .args(["-t", "tmpfs", "-o", &options, "small"])
+            .arg(place.path())
+            .stderr(Stdio::null())
+            .status();
+        mount.is_ok_and(|status| status.success()).then_some(Self(place))
+    }
+
+    fn path(&self) -> &Path {
+        self.0.path()
+    }
+}
+
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg("-l").arg(self.0.path()).status();
+    }
+}
+
+#[test]
+fn a_small_file_system_that_is_full_stops_the_run_with_3_and_can_be_gone_on_from() {
+    let Some(disk) = SmallDisk::new("200k") else {
+        println!("not tested: no file system may be mounted here");
+        return;
+    };
+    std::fs::write(disk.path().join("in.mpm"), format!("{SCENE}restart(5, s.*.rst)\nrun(400)\n"))
+        .unwrap();
+    let output = run(disk.path(), "in.mpm");
+    let text = said(&output);
+    assert_eq!(output.status.code(), Some(3), "{text}");
+    assert!(text.contains("cannot write `") && text.contains("No space left on device"), "{text}");
+    assert!(names(disk.path()).iter().all(|name| !name.ends_with(".part")), "{text}");
+    // What has its name is whole.
+    for name in names(disk.path()) {
+        let bytes = std::fs::read(disk.path().join(&name)).unwrap();
+        if name.starts_with("d.") {
+            assert_eq!(bytes.iter().filter(|byte| **byte == b'\n').count(), 11 + 52, "{name}");
+        }
+        assert!(!name.ends_with(".rst") || restart::decode(&bytes).is_ok(), "{name}");
+    }
+    // With room again the run goes on from the last file.
+    let last = last_step(disk.path(), "s.", ".rst").unwrap();
+    let elsewhere = place("run(400)\n");
+    let file = format!("s.{last}.rst");
+    std::fs::copy(disk.path().join(&file), elsewhere.path().join(&file)).unwrap();
+    std::fs::write(elsewhere.path().join("on.mpm"), format!("read_restart({file})\nrun(3)\n"))
+        .unwrap();
+    let output = run(elsewhere.path(), "on.mpm");
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+}
+
+#[test]
+fn a_directory_that_vanishes_is_named_whoever_writes_into_it() {
+    for (writer, name) in [
+        ("dump(o, all, grid, 1, out/g.*.txt, mass)", "out/g."),
+        ("dump(o, all, particle/gz, 1, out/p.*.gz, x)", "out/p."),
+        ("dump(o, all, pyplot, 1, out/i.*.svg, 100, 100)", "out/i."),
+        ("restart(1, out/s.*.rst)", "out/s."),
+    ] {
+        let place = place(&format!("{writer}\nrun(1000000)\n"));
+        let folder = place.path().join("out");
+        std::fs::create_dir(&folder).unwrap();
+        let child = command(place.path()).arg("in.mpm").spawn().unwrap();
+        wait_for(|| names(&folder).iter().any(|name| !name.starts_with('.')));
+        std::fs::rename(&folder, place.path().join("gone")).unwrap();
+        let output = child.wait_with_output().unwrap();
+        let text = said(&output);
+        assert_eq!(output.status.code(), Some(3), "{writer}: {text}");
+        let wanted = format!("cannot write `{name}");
+        assert!(text.contains(&wanted) && text.contains("No such file"), "{writer}: {text}");
+        assert!(text.contains("kept: "), "{writer}: {text}");
+    }
+}
+
+/// Runs the program as a user who may not read or write everything; `None` if that cannot be.
+fn run_as_nobody(place: &Path, arguments: &str) -> Option<Output> {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = |mode| std::fs::set_permissions(place, std::fs::Permissions::from_mode(mode));
+    folder(0o777).unwrap();
+    let program = place.join("program");
+    std::fs::copy(cargo_bin!("karamelo-rs"), &program).unwrap();
+    let line = format!("exec ./program --quiet {arguments}");
+    let root = std::fs::metadata("/proc/self").is_ok_and(|of| {
+        use std::os::unix::fs::MetadataExt;
+        of.uid() == 0
+    });
+    let mut command = match root {
+        true => {
+            let mut command = Command::new("setpriv");
+            command.args(["--reuid=65534", "--clear-groups", "sh", "-c", &line]);
+            command
+        }
+        false => {
+            let mut command = Command::new("sh");
+            command.args(["-c", &line]);
+            command
+        }
+    };
+    let output = command.current_dir(place).output().ok()?;
+    // 126, 127: setpriv is not allowed to, or the folder cannot be reached.
+    let started = output.status.code().is_some_and(|code| code < 126);
+    (started && !said(&output).starts_with("setpriv")).then_some(output)
+}
+
+#[test]
+fn scripts_and_logs_without_permission_end_with_3_and_their_names() {
+    use std::os::unix::fs::PermissionsExt;
+    let allow = |path: &Path, mode| {
+        std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode)).unwrap();
+    };
+    let place = place("run(1)\n");
+    let log = place.path().join("old.log");
+    std::fs::write(&log, "old\n").unwrap();
+    let Some(output) = run_as_nobody(place.path(), "in.mpm -log none") else {
+        println!("not tested: the program cannot be run as another user");
+        return;
+    };
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    // A log that may only be read, and one in a folder that may only be read.
+    allow(&log, 0o444);
+    let sealed = place.path().join("sealed");
+    std::fs::create_dir(&sealed).unwrap();
+    allow(&sealed, 0o555);
+    for name in ["old.log", "sealed/new.log"] {
+        let output = run_as_nobody(place.path(), &format!("in.mpm -log {name}")).unwrap();
+        let text = said(&output);
+        assert_eq!(output.status.code(), Some(3), "{name}: {text}");
+        assert!(text.contains(&format!("cannot write `{name}`")), "{text}");
+        assert!(text.contains("Permission denied"), "{text}");
+    }
+    assert_eq!(std::fs::read_to_string(&log).unwrap(), "old\n");
+    // A script that may not be read, and one that reads a list which may not be read.
+    let script = place.path().join("in.mpm");
+    let list = place.path().join("list.txt");
+    std::fs::write(&list, "0.5 5 0.0025\n").unwrap();
+    let more = std::fs::read_to_string(&script)
+        .unwrap()
+        .replace("group(floor", "solid(more, file, list.txt, rubber, 0.1)\ngroup(floor");
+    std::fs::write(&script, more).unwrap();
+    allow(&list, 0o000);
+    for (file, name) in [(&list, "list.txt"), (&script, "in.mpm")] {
+        allow(file, 0o000);
+        let output = run_as_nobody(place.path(), "in.mpm -log none").unwrap();
+        let text = said(&output);
+        assert_eq!(output.status.code(), Some(3), "{name}: {text}");
+        assert!(text.contains(&format!("cannot read `{name}`")), "{text}");
+    }
+}
+
+#[test]
+fn damaged_files_of_a_script_end_with_3_and_mistakes_beside_them_with_2() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mesh = std::fs::read(root.join("tests/meshes/triangle3-41.msh")).unwrap();
+    let surface = std::fs::read(root.join("tests/script/files/cube.stl")).unwrap();
+    let binary = std::fs::read(root.join("tests/script/files/cube-binary.stl")).unwrap();
+    let solid = "method(ulmpm, FLIP, linear, 1)\ndimension(2, -9, 9, -9, 9, 1)\n\
+        material(m, linear, 1, 1, 0.3)\nsolid(s, mesh, a.msh, m, 1)\n";
+    let region = "method(ulmpm, FLIP, linear, 1)\ndimension(3, 0, 1, 0, 1, 0, 1, 0.1)\n\
+        region(r, stl, a.stl)\n";
+    let list = "method(ulmpm, FLIP, linear, 1)\ndimension(2, 0, 1, 0, 1, 0.1)\n\
+        material(m, linear, 1, 1, 0.3)\nsolid(s, file, a.txt, m, 0.1)\n";
+    for (script, name, bytes) in [
+        (solid, "a.msh", &mesh[..]),
+        (region, "a.stl", &surface[..]),
+        (region, "a.stl", &binary[..]),
+        (list, "a.txt", b"0.1 0.2 0.01\n0.3 0.2 0.01\n"),
+    ] {
+        let place = tempfile::tempdir().unwrap();
+        for (text, code) in [(script.to_string(), 3), (format!("{script}no_such(1)\n"), 2)] {
+            std::fs::write(place.path().join(name), &bytes[..bytes.len() * 2 / 3]).unwrap();
+            std::fs::write(place.path().join("in.mpm"), text).unwrap();
+            let output = run(place.path(), "in.mpm");
+            assert_eq!(output.status.code(), Some(code), "{name}: {}", said(&output));
+            assert!(said(&output).contains("error[E0307]"), "{name}: {}", said(&output));
+        }
+    }
+    // Restart files, named by a script or alone, cut at their very beginning too.
+    let place = place("run(3)\nwrite_restart(a.rst)\n");
+    assert_eq!(run(place.path(), "in.mpm").status.code(), Some(0));
+    let whole = std::fs::read(place.path().join("a.rst")).unwrap();
+    std::fs::write(place.path().join("on.mpm"), "read_restart(a.rst)\nrun(1)\n").unwrap();
+    for length in [whole.len() - 1, whole.len() / 2, 20, 5, 0] {
+        std::fs::write(place.path().join("a.rst"), &whole[..length]).unwrap();
+        for file in ["on.mpm", "a.rst"] {
+            let output = run(place.path(), file);
+            let text = said(&output);
+            assert_eq!(output.status.code(), Some(3), "{file} {length}: {text}");
+            assert!(text.contains("cannot go on from `a.rst`"), "{file} {length}: {text}");
+        }
+    }
+}

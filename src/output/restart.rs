@@ -121,6 +121,11 @@ pub fn is_restart(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
+/// Is a file meant as a restart file? One that is damaged at its first bytes has its name to tell.
+pub fn is_restart_file(name: &str, bytes: &[u8]) -> bool {
+    is_restart(bytes) || Path::new(name).extension().is_some_and(|ending| ending == "rst")
+}
+
 fn number<const N: usize>(bytes: &[u8], at: usize) -> Option<[u8; N]> {
     bytes.get(at..at + N)?.try_into().ok()
 }
