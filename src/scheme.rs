@@ -408,7 +408,7 @@ impl Parts<'_> {
     /// Sorts the particles where they have moved to, less those that have left the box.
     ///
     /// # Errors
-    /// No particle is left.
+    /// No particle is left, or the grid between them does not fit in memory.
     fn sort(&mut self) -> Result<(), Fault> {
         if self.world.boundary == Boundary::Delete {
             self.loops.removed += walls::remove(self.world, &mut self.loops.keep);
@@ -417,7 +417,7 @@ impl Parts<'_> {
                 return Err(watch::all_gone(&self.clock));
             }
         }
-        self.loops.sorter.sort(self.world, &mut self.loops.tiles);
+        self.loops.sorter.sort(self.world, &mut self.loops.tiles)?;
         self.loops.travelled = 0.0;
         (self.loops.outgrown, self.loops.unsorted) = (false, false);
         self.loops.sorts += 1;

@@ -5,6 +5,7 @@ use super::method::{Choice, check_domain, check_nodes};
 use super::scene::{Scene, SolidEntry};
 use super::{Action, action};
 use crate::geometry::{Mistake, Point, Points, gmsh, list};
+use crate::kernel::sort;
 use crate::memory;
 use crate::method::Method;
 use crate::model::domain::Domain;
@@ -94,7 +95,9 @@ pub fn solid(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnosti
         follow_solid(args, scene, &domain, total)?;
     }
     check_size(&domain, &body, args)?;
+    let span = body.count;
     let entry = SolidEntry { filling: body.filling, cells: domain, rigid: law.is_rigid() };
+    check_grid(&entry, scene, total, span)?;
     if args.rehearsal() {
         check_solid(args, scene, &id, &body.name, &entry, total)?;
     }
@@ -316,11 +319,55 @@ fn check_size(domain: &Domain, body: &Body, args: &Args<'_>) -> Result<(), Diagn
         .map(|axis| {
             let low = bounds.lower[axis].max(domain.lower[axis]);
             let high = bounds.upper[axis].min(domain.upper[axis]);
-            (high - low).max(0.0) / domain.cell * *particles_per_cell as f64
+            // Cells that the region only touches are searched too.
+            ((high - low).max(0.0) / domain.cell + 1.0) * *particles_per_cell as f64
         })
         .product();
     // A region fills at least about half of its bounds, unless it was cut from a larger one.
     check_memory(args, 0.5 * most, body.count)
+}
+
+/// Refuses a grid that memory cannot hold: it lies between the outermost particles of all solids, in
+/// total Lagrangian methods of each.
+fn check_grid(
+    solid: &SolidEntry,
+    scene: &Scene,
+    total: bool,
+    span: Span,
+) -> Result<(), Diagnostic> {
+    let mut common = Bounds { lower: [f64::INFINITY; 3], upper: [f64::NEG_INFINITY; 3] };
+    let (mut all, mut own) = (0.0, 0.0);
+    for solid in scene.solids.iter().map(|(_, solid)| solid).chain([solid]) {
+        let (bounds, cells) = (solid.filling.bounds(), &solid.cells);
+        own = 1.0;
+        for axis in 0..cells.dimension {
+            let low = bounds.lower[axis].max(cells.lower[axis]);
+            let high = bounds.upper[axis].min(cells.upper[axis]);
+            common.lower[axis] = common.lower[axis].min(low);
+            common.upper[axis] = common.upper[axis].max(high);
+            own *= ((high - low) / cells.cell).max(0.0) + 1.0;
+        }
+        all += own;
+    }
+    let between =
+        |axis: usize| ((common.upper[axis] - common.lower[axis]) / solid.cells.cell).max(0.0) + 1.0;
+    let updated: f64 = (0..solid.cells.dimension).map(between).product();
+    let nodes = if total { all } else { updated };
+    let bytes = nodes * sort::BYTES_EACH;
+    if bytes <= memory::available() && nodes < f64::from(u32::MAX) {
+        return Ok(());
+    }
+    let message = format!(
+        "the grid would need about {nodes:.2e} nodes and {} of memory; {} are free",
+        memory::text(bytes),
+        memory::text(memory::available())
+    );
+    let mistake = Diagnostic::error(Code::TooLarge, span, message).label("too many cells");
+    Err(if total || updated <= own {
+        mistake
+    } else {
+        mistake.help("the grid reaches from one solid to the other: are they too far apart?")
+    })
 }
 
 /// Refuses more particles than memory can hold.

@@ -9,6 +9,8 @@ use super::stencil::Frame;
 use super::surfaces::find_couples;
 use super::survey::{self, Survey};
 use super::tiles::{COLOURS, Order, Report, SMALLEST_PARALLEL, Tiles, side};
+use crate::fault::Fault;
+use crate::memory;
 use crate::model::contact::Couple;
 use crate::model::grid::{Grid, Keeps, Node};
 use crate::model::lattice::{Lattice, Window};
@@ -53,6 +55,9 @@ impl Key {
     }
 }
 
+/// Bytes that a node takes: its record, the second mapping, marks of two sorts.
+pub const BYTES_EACH: f64 = (std::mem::size_of::<Node>() + 32 + 4) as f64;
+
 /// Smallest and largest cell per axis.
 type Bounds = [[usize; 3]; 2];
 
@@ -93,20 +98,26 @@ impl Sorter {
     /// Sorts the particles by their places (reference places in total Lagrangian methods) and fits
     /// the windows to them. All nodal values are zero then, but those that outlive a step: the external
     /// force and the place of a node.
-    pub fn sort(&mut self, world: &mut World, tiles: &mut Tiles) {
-        self.sort_by(world, tiles, None);
+    ///
+    /// # Errors
+    /// The nodes between particles that lie far apart would not fit in memory.
+    pub fn sort(&mut self, world: &mut World, tiles: &mut Tiles) -> Result<(), Fault> {
+        self.sort_by(world, tiles, None)
     }
 
     /// Brings back what the sort left that found these cells, whatever the places are now; corners
     /// of domains were allowed to lie `corners` cells away.
+    ///
+    /// # Errors
+    /// As [`Sorter::sort`].
     pub fn restore(
         &mut self,
         world: &mut World,
         tiles: &mut Tiles,
         cells: &[[u32; 3]],
         corners: usize,
-    ) {
-        self.sort_by(world, tiles, Some((cells, corners)));
+    ) -> Result<(), Fault> {
+        self.sort_by(world, tiles, Some((cells, corners)))
     }
 
     /// The cell that each particle had in the last sort.
@@ -129,7 +140,7 @@ impl Sorter {
         world: &mut World,
         tiles: &mut Tiles,
         restored: Option<(&[[u32; 3]], usize)>,
-    ) {
+    ) -> Result<(), Fault> {
         let World { particles, solids, grid, method, ranks, .. } = &mut *world;
         let lattices = &grid.lattices;
         let (total, shape) = (method.total, method.shape);
@@ -160,6 +171,7 @@ impl Sorter {
         let movement = if total { 0 } else { 1 };
         let reach = Reach { shape, movement, corners: tiles.corners };
         let together = grid.keeps.contact && !ranks.is_alone();
+        ranks.agree(self.check_room(&reach, grid, together).err(), &mut [])?;
         self.fit(&orders, &places, &reach, grid, together);
         // One process shares no node and need not know its tiles.
         let own = if ranks.is_alone() { Vec::new() } else { self.own_tiles(&orders) };
@@ -189,6 +201,7 @@ impl Sorter {
         if solids.iter().any(|solid| solid.rigid) {
             rigid.list(particles.len(), |p| solids[particles.solid[p] as usize].rigid);
         }
+        Ok(())
     }
 
     /// Finds the order and the tiles.
@@ -354,6 +367,35 @@ impl Sorter {
             self.old.couples = all.as_chunks::<8>().0.iter().map(couple).collect();
             self.old.couples.sort_unstable_by_key(|couple| (couple.pair, couple.number));
         }
+    }
+
+    /// Refuses windows that would not fit in memory, before they are made.
+    fn check_room(&self, reach: &Reach, grid: &Grid, together: bool) -> Result<(), Fault> {
+        let all = self.bounds.iter().copied().fold(NOTHING, joined);
+        let of_window = |(lattice, bounds): (&Lattice, &Bounds)| {
+            let window = reach.window(lattice, if together { &all } else { bounds }, 0);
+            window.size.iter().map(|count| *count as f64).product::<f64>()
+        };
+        let nodes: f64 = grid.lattices.iter().zip(&self.bounds).map(of_window).sum();
+        // Asking the system takes longer than a sort of few particles.
+        if nodes < 1e6 {
+            return Ok(());
+        }
+        let bytes = nodes * BYTES_EACH;
+        let free = memory::available() + grid.len() as f64 * BYTES_EACH;
+        if bytes <= free && nodes < f64::from(u32::MAX) {
+            return Ok(());
+        }
+        let what = format!(
+            "the grid between the particles would need {:.3e} nodes and {} of memory; {} are free",
+            nodes,
+            memory::text(bytes),
+            memory::text(free)
+        );
+        Err(Fault::run(what).because(
+            "some particle is far away from the others: `boundary(delete)` and a smaller box remove it, \
+             a larger cell size needs fewer nodes",
+        ))
     }
 
     /// Fits the windows and their active runs to the cells of the particles; `together`: the nodes

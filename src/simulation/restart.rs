@@ -13,6 +13,7 @@ use crate::model::checkpoint::{Checkpoint, Row};
 use crate::model::grid::Grid;
 use crate::output::{file, restart};
 use crate::time_step::TimeStep;
+use crate::world::World;
 use std::path::Path;
 
 /// Values of nodes that outlive a step.
@@ -238,18 +239,28 @@ impl Simulation {
     fn restore_order(&mut self, sorted: &Sorted) -> Result<(), String> {
         let outside = || "a particle or node lies outside of the grid".to_string();
         let lattices = &self.world.grid.lattices;
+        let World { particles, method, domain, .. } = &self.world;
+        let places = particles.places(method.total);
+        // A particle is in its cell of the last sort, or in one beside it.
         let inside = |p: usize| {
-            let solid = &self.world.solids[usize::from(self.world.particles.solid[p])];
-            let counts = lattices.get(solid.lattice).map(|lattice| lattice.cells.cells());
-            let cell = sorted.cells[p];
-            counts.is_some_and(|counts| (0..3).all(|a| (cell[a] as usize) < counts[a].max(1)))
+            let solid = &self.world.solids[usize::from(particles.solid[p])];
+            let Some(lattice) = lattices.get(solid.lattice) else { return false };
+            let (cells, counts) = (&lattice.cells, lattice.cells.cells());
+            (0..3).all(|axis| {
+                let cell = sorted.cells[p][axis];
+                let from = (places[p][axis] - cells.lower[axis]) / cells.cell - f64::from(cell);
+                let near = axis >= domain.dimension || (-1.01..=2.01).contains(&from);
+                near && (cell as usize) < counts[axis].max(1)
+            })
         };
         if !(0..sorted.cells.len()).all(inside) {
             return Err(outside());
         }
         let corners = sorted.corners as usize;
         let world = &mut self.world;
-        self.loops.sorter.restore(world, &mut self.loops.tiles, &sorted.cells, corners);
+        let tiles = &mut self.loops.tiles;
+        let restored = self.loops.sorter.restore(world, tiles, &sorted.cells, corners);
+        restored.map_err(|fault| fault.what)?;
         let grid = &mut world.grid;
         let given = [sorted.nodes.give_back(grid), sorted.rubbed.give_back(grid)];
         if world.ranks.count(given) != [sorted.nodes.index.len(), sorted.rubbed.pair.len()] {

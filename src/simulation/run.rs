@@ -244,7 +244,7 @@ impl Simulation {
         for displacement in &mut self.world.particles.displacement {
             *displacement = [0.0; 4];
         }
-        self.loops.sorter.sort(&mut self.world, &mut self.loops.tiles);
+        self.loops.sorter.sort(&mut self.world, &mut self.loops.tiles)?;
         self.loops.travelled = 0.0;
         self.world.contacts.ready = false;
         self.start_fixes()
