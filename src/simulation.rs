@@ -3,6 +3,7 @@
 mod agree;
 mod describe;
 pub mod fill;
+mod fracture;
 mod overlap;
 mod progress;
 mod restart;

@@ -1,5 +1,6 @@
 //! The loop over time steps.
 
+use super::fracture::Torn;
 use super::progress::{JOINED, Progress};
 use super::{Simulation, Until, fill, whole};
 use crate::compute::energy::{kinetic_energy, strain_energy};
@@ -115,6 +116,13 @@ impl Simulation {
             self.outputs.warn(&format!(
                 "the domain of particle {particle} reached beyond the grid at time {time:.6e}, or \
                  farther than {MOST_CORNER_CELLS} cells: such corners are moved to the nearest place"
+            ))?;
+        }
+        if let Some(Torn { id, stretch, distance, reach }) = self.torn() {
+            self.outputs.warn(&format!(
+                "particle {id} is stretched to {stretch:.2} times, {distance:.2} cells from its neighbours, \
+                 and its shape bridges {reach} cells: the body may have come apart for the grid alone \
+                 (numerical fracture); `tlmpm`, `ulcpdi` and more particles per cell hold it together"
             ))?;
         }
         for (count, what) in [
