@@ -1,7 +1,8 @@
-//! The command line: `karamelo-rs SCRIPT`, `check`, `study`, `verify`, `styles`, `explain`.
+//! The command line: `karamelo-rs SCRIPT`, `check`, `new`, `diff`, `study`, `verify`, `styles`, `explain`.
 
 mod arguments;
 mod launcher;
+mod new;
 mod reference;
 mod study;
 mod styles;
@@ -10,10 +11,11 @@ mod verify;
 use crate::command;
 use crate::command::play::{self, Wishes};
 use crate::command::session::{Mode, Session, Stop};
+use crate::compare;
 use crate::error;
 use crate::fault::{Fault, FaultKind};
 use crate::interrupt;
-use crate::output::{OutputOptions, Outputs, restart};
+use crate::output::{OutputOptions, Outputs, SOFTWARE, digest, restart};
 use crate::parallel::Ranks;
 use crate::script::diagnostic::{Code, Diagnostic, Severity, render};
 use crate::script::source::Source;
@@ -69,7 +71,12 @@ fn run(arguments: Vec<OsString>) -> u8 {
         }
     };
     match task {
-        Task::Styles { .. } | Task::Reference(_) | Task::Explain(_) | Task::Text(_)
+        Task::Styles { .. }
+        | Task::Reference(_)
+        | Task::Explain(_)
+        | Task::Text(_)
+        | Task::Diff(_)
+        | Task::New(_)
             if !ranks.is_first() =>
         {
             DONE
@@ -93,6 +100,23 @@ fn run(arguments: Vec<OsString>) -> u8 {
                 .ok_or_else(|| format!("there is no code `{code}`; codes look like E0203, W0201")),
         ),
         Task::Text(text) => show(Ok(text)),
+        Task::Diff(words) => diff(&words),
+        Task::New(words) => new::run(&words),
+    }
+}
+
+/// Compares two runs.
+fn diff(words: &arguments::DiffWords) -> u8 {
+    match compare::compare(&words.first, &words.second, words.tolerance) {
+        Ok(report) => {
+            let alike = report.alike;
+            show(Ok(report.text));
+            if alike { DONE } else { RUN_FAILED }
+        }
+        Err(fault) => {
+            eprintln!("error: {fault}");
+            FILES
+        }
     }
 }
 
@@ -123,10 +147,7 @@ fn read(script: &Path, ranks: &Ranks) -> Result<Vec<u8>, Fault> {
     let read = if ranks.is_first() { std::fs::read(script) } else { Ok(Vec::new()) };
     let (mut bytes, fault) = match read {
         Ok(bytes) => (bytes, None),
-        Err(reason) => {
-            let what = format!("cannot read `{}`: {reason}", script.display());
-            (Vec::new(), Some(Fault { kind: FaultKind::File, what, cause: None }))
-        }
+        Err(reason) => (Vec::new(), Some(Fault::unreadable(script, &reason))),
     };
     ranks.agree(fault, &mut [])?;
     if let Some(exchange) = ranks.exchange() {
@@ -165,6 +186,7 @@ fn script(options: &Options, mode: Mode, ranks: &Ranks) -> u8 {
             }
         },
     };
+    let digest = digest::sha256(&bytes);
     drop(bytes);
     let wishes = Wishes {
         variables: &options.variables,
@@ -189,7 +211,10 @@ fn script(options: &Options, mode: Mode, ranks: &Ranks) -> u8 {
         quiet: options.quiet || mode == Mode::Check,
         log: if mode == Mode::Check { None } else { options.log.clone() },
         mute: !ranks.is_first(),
-        title: format!("karamelo-rs {} {}", env!("CARGO_PKG_VERSION"), script.source.name),
+        title: format!(
+            "{SOFTWARE} {}\n{:<20}{digest}\n{:<20}{}",
+            script.source.name, "sha256", "called as", options.line
+        ),
     });
     let mut session = Session::new(outputs, mode);
     session.simulation.set_ranks(ranks.clone());

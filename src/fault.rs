@@ -36,6 +36,12 @@ impl Fault {
         Self { kind: FaultKind::File, what, cause: None }
     }
 
+    /// A file that cannot be read: the path and the system's reason.
+    pub fn unreadable(path: &std::path::Path, reason: &std::io::Error) -> Self {
+        let what = format!("cannot read `{}`: {reason}", path.display());
+        Self { kind: FaultKind::File, what, cause: None }
+    }
+
     /// The same fault with its likely cause.
     pub fn because(mut self, cause: impl Into<String>) -> Self {
         self.cause = Some(cause.into());

@@ -60,6 +60,11 @@ pub trait Fix: Send {
         Ok(())
     }
 
+    /// The force per mass \[L/T^2\] of a constant field such as gravity.
+    fn constant_acceleration(&self) -> Option<f64> {
+        None
+    }
+
     /// Particles it cannot act on, in words: for a warning where it is defined.
     fn passes_over(&self, _world: &World) -> Option<String> {
         None

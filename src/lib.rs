@@ -35,6 +35,7 @@
 
 pub mod cli;
 pub mod command;
+pub mod compare;
 pub mod compute;
 pub mod damage;
 pub mod eos;

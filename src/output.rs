@@ -1,7 +1,11 @@
 //! Everything that leaves the program: log, dumps, pictures, figures.
 
 pub mod canvas;
+pub mod colours;
+pub mod digest;
+pub mod field;
 pub mod file;
+pub mod frame;
 pub mod gzip;
 pub mod lammps;
 pub mod log;
@@ -10,8 +14,12 @@ pub mod number;
 pub mod particle;
 pub mod picture;
 pub mod plot;
+pub mod pyplot;
+pub mod raster;
 pub mod restart;
 pub mod schedule;
+pub mod series;
+pub mod vtk;
 
 use crate::fault::Fault;
 use crate::fix::GroupKind;
@@ -19,14 +27,16 @@ use crate::model::checkpoint::Checkpoint;
 use crate::model::group::GroupId;
 use crate::plan::Plan;
 use crate::script::arguments::Args;
-use crate::script::diagnostic::Diagnostic;
+use crate::script::diagnostic::{Code, Diagnostic};
 use crate::script::formula::Formula;
 use crate::script::source::Span;
 use crate::style::Style;
 use crate::world::World;
-use std::path::PathBuf;
 
 pub use schedule::{OutputOptions, Outputs};
+
+/// What wrote a file, for formats that have room to say so.
+pub const SOFTWARE: &str = concat!("karamelo-rs ", env!("CARGO_PKG_VERSION"));
 
 /// The state to write: after a whole step, time at its end.
 pub struct Snapshot<'a> {
@@ -48,11 +58,12 @@ pub trait Dump: Send {
         false
     }
 
-    /// Writes one snapshot; gives the file written.
+    /// Writes one snapshot; gives the names of the files written, `*` for the
+    /// step.
     ///
     /// # Errors
     /// The path and the system's reason.
-    fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<PathBuf, Fault>;
+    fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<Vec<String>, Fault>;
 
     /// Puts into a checkpoint, or takes from it, where a growing file ends.
     fn keep(&mut self, _checkpoint: &mut Checkpoint) {}
@@ -92,6 +103,22 @@ pub struct DumpTarget {
     pub dimension: usize,
 }
 
+impl DumpTarget {
+    /// Refuses a file without one of these suffixes.
+    ///
+    /// # Errors
+    /// It has another one.
+    pub fn need_suffix(&self, what: &str, known: &[&str]) -> Result<(), Diagnostic> {
+        if known.iter().any(|suffix| self.file.ends_with(suffix)) {
+            return Ok(());
+        }
+        let message = format!("`{}` has no suffix of {what}", self.file);
+        Err(Diagnostic::error(Code::UnknownField, self.file_span, message)
+            .label("unknown suffix")
+            .help(format!("one of {}", known.join(", "))))
+    }
+}
+
 /// Builds a dump from its arguments.
 pub type BuildDump = fn(&mut Args<'_>, &DumpTarget) -> Result<Box<dyn Dump>, Diagnostic>;
 
@@ -100,8 +127,11 @@ pub const DUMPS: &[Style<BuildDump>] = &[
     particle::TEXT,
     particle::GZIP,
     particle::BINARY,
+    particle::VTK,
     nodes::TEXT,
     nodes::GZIP,
     nodes::BINARY,
+    nodes::VTK,
     picture::STYLE,
+    pyplot::STYLE,
 ];

@@ -10,6 +10,7 @@ mod restart;
 mod run;
 mod setup;
 mod trial;
+mod units;
 mod whole;
 
 use crate::compute::Compute;

@@ -17,7 +17,7 @@ const LAYERS: [&[&str]; 14] = [
     &["scheme"],
     &["output"],
     &["simulation"],
-    &["command", "error", "study", "verify", "cli"],
+    &["command", "compare", "error", "study", "verify", "cli"],
 ];
 
 fn files(folder: &Path, list: &mut Vec<PathBuf>) {

@@ -97,7 +97,10 @@ fn copy(from: &Path, to: &Path, scripts: &mut Vec<PathBuf>) {
 fn shortened(text: &str) -> String {
     let half = STEPS / 2;
     let dumps = format!(
-        "dump(all_particles, all, particle, {half}, zp.*.dump, x, y, z, vx, vy, vz, s11, s22, s33, \
+        "dump(for_paraview, all, particle/vtk, {half}, zp.*.vtp, ovito, T)\n\
+         dump(nodes_for_paraview, all, grid/vtk, {half}, zg.*.vti, mass, vx, vy, vz)\n\
+         dump(picture_of_stress, all, picture, {STEPS}, zp.*.png, seq, size, 300, 200)\n\
+         dump(all_particles, all, particle, {half}, zp.*.dump, x, y, z, vx, vy, vz, s11, s22, s33, \
          s12, volume, J, ep, T, damage)\n\
          dump(all_nodes, all, grid, {half}, zg.*.dump, x, y, z, vx, vy, vz, mass, bx, by, T)\n\
          restart({half}, state.*.rst)\n"

@@ -37,6 +37,9 @@ dump(a, all, particle, 20, p.*.dump, x, y, z, vx, vy, vz, seq, s11, s23, volume,
 dump(b, all, particle/gz, 60, p.*.gz, x, y, z, e11)
 dump(c, all, particle/bin, 60, p.*.bin, x, y, z, e11)
 dump(d, all, grid, 60, g.*.dump, x, y, z, vx, vy, vz, mass, T)
+dump(e, all, particle/vtk, 60, p.*.vtp, ovito, T)
+dump(f, all, grid/vtk, 60, g.*.vti, vx, vy, vz, mass, T)
+dump(g, all, picture, 60, p.*.png, seq)
 ";
 
 /// A ball of revolution that flies against a ring, on the axis.

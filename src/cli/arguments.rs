@@ -26,11 +26,59 @@ pub enum Task {
     Explain(String),
     /// Print a text.
     Text(String),
+    /// Compare two runs.
+    Diff(DiffWords),
+    /// Write a script to start from.
+    New(NewWords),
+}
+
+/// Two runs to compare.
+#[derive(Debug, Args)]
+pub struct DiffWords {
+    /// A log, a dump, or the folder of a run
+    #[arg(value_name = "RUN1")]
+    pub first: PathBuf,
+    /// The other one
+    #[arg(value_name = "RUN2")]
+    pub second: PathBuf,
+    /// Numbers may differ by this part of the largest one of their column and snapshot
+    #[arg(long, value_name = "PART", default_value_t = 0.0, value_parser = part)]
+    pub tolerance: f64,
+}
+
+/// A part, 0 or more.
+fn part(text: &str) -> Result<f64, String> {
+    let part: f64 = text.parse().map_err(|_| "not a number".to_string())?;
+    if part >= 0.0 { Ok(part) } else { Err("must be 0 or more".to_string()) }
+}
+
+/// A script to start from.
+#[derive(Debug, Args)]
+pub struct NewWords {
+    /// Name of the script; `.mpm` is added
+    pub name: PathBuf,
+    /// What it shows
+    #[arg(long, value_enum, default_value_t)]
+    pub template: Template,
+}
+
+/// What a new script shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Template {
+    /// An elastic block falls on a floor, in the plane, SI units
+    #[default]
+    Drop,
+    /// A metal rod hits a wall and yields, in space, kg-mm-ms units
+    Impact,
+    /// A body in tension between clamps: stress against strain, total Lagrangian
+    Tension,
 }
 
 /// How to run.
 #[derive(Debug)]
 pub struct Options {
+    /// The whole command line.
+    pub line: String,
     /// The script's file.
     pub script: PathBuf,
     /// `-var NAME VALUE`.
@@ -111,6 +159,10 @@ enum Command {
     Study(Box<StudyWords>),
     /// Prove the program.
     Verify(VerifyWords),
+    /// Writes a commented script to start from; never over a file that is there
+    New(NewWords),
+    /// Tells where two runs part, in logs and dumps: exit code 0 if they are alike, 1 if not
+    Diff(DiffWords),
     /// Describes the styles of the script language
     Styles {
         /// command, region, material, fix, compute, dump, ...
@@ -134,15 +186,20 @@ enum Command {
 /// # Errors
 /// What is wrong with it, or the help that was asked for.
 pub fn parse(arguments: Vec<OsString>) -> Result<Task, clap::Error> {
+    let words: Vec<String> =
+        arguments.iter().map(|word| word.to_string_lossy().into_owned()).collect();
+    let called = words.join(" ");
     let line = CommandLine::try_parse_from(arguments.into_iter().map(two_dashes))?;
     match line.command {
-        None => Ok(Task::Run(options(line.run)?)),
+        None => Ok(Task::Run(options(line.run, called)?)),
         Some(Command::Check { run, processes }) => {
             let processes = processes.into_iter().map(|count| count as usize).collect();
-            Ok(Task::Check(Options { processes, ..options(run)? }))
+            Ok(Task::Check(Options { processes, ..options(run, called)? }))
         }
         Some(Command::Study(words)) => Ok(Task::Study(words)),
         Some(Command::Verify(words)) => Ok(Task::Verify(words)),
+        Some(Command::New(words)) => Ok(Task::New(words)),
+        Some(Command::Diff(words)) => Ok(Task::Diff(words)),
         Some(Command::Styles { markdown: Some(folder), .. }) => Ok(Task::Reference(folder)),
         Some(Command::Styles { family, name, .. }) => Ok(Task::Styles { family, name }),
         Some(Command::Explain { code }) => Ok(Task::Explain(code)),
@@ -180,13 +237,14 @@ fn two_dashes(argument: OsString) -> OsString {
     }
 }
 
-fn options(run: Run) -> Result<Options, clap::Error> {
+fn options(run: Run, line: String) -> Result<Options, clap::Error> {
     let Some(script) = run.script.or(run.input) else {
         let kind = clap::error::ErrorKind::MissingRequiredArgument;
         return Err(CommandLine::command().error(kind, "no script is given"));
     };
     let pairs = run.variables.chunks_exact(2);
     Ok(Options {
+        line,
         script,
         variables: pairs.map(|pair| (pair[0].clone(), pair[1].clone())).collect(),
         settings: run.settings,

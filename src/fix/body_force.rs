@@ -73,6 +73,12 @@ impl Fix for BodyForce {
         }
     }
 
+    fn constant_acceleration(&self) -> Option<f64> {
+        let parts = self.force.formulas().into_iter().map(Formula::as_constant);
+        let squares = parts.map(|part| part.map(|f| f * f)).sum::<Option<f64>>()?;
+        Some(squares.sqrt())
+    }
+
     fn keep(&mut self, checkpoint: &mut Checkpoint) {
         checkpoint.vector("total", &mut self.total);
     }

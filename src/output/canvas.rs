@@ -7,6 +7,7 @@ mod pdf;
 mod png;
 mod svg;
 
+use super::raster::Raster;
 use std::path::Path;
 
 /// Red, green, blue.
@@ -55,6 +56,8 @@ pub enum Mark {
     Path { points: Vec<[f32; 2]>, width: f32, colour: Colour },
     /// Filled disks of one colour.
     Dots { centres: Vec<[f32; 2]>, radius: f32, colour: Colour },
+    /// Pixels; the place is that of the upper left corner.
+    Image { place: [f32; 2], raster: Raster },
     /// A text; the place is on its baseline.
     Text { place: [f32; 2], size: f32, anchor: Anchor, text: String },
 }
@@ -115,6 +118,8 @@ mod tests {
         let segments = vec![[[0.0, 39.0], [59.0, 39.0]]];
         canvas.marks.push(Mark::Lines { segments, width: 2.0, colour: Colour::BLACK });
         canvas.text([30.0, 10.0], 8.0, Anchor::Middle, "a<b");
+        let raster = Raster { width: 2, height: 1, pixels: vec![[0, 9, 200], [7; 3]] };
+        canvas.marks.push(Mark::Image { place: [50.0, 30.0], raster });
         canvas
     }
 
@@ -123,16 +128,23 @@ mod tests {
         let bytes = drawing().encode(Path::new("a.png"));
         let map = tiny_skia::Pixmap::decode_png(&bytes).unwrap();
         assert_eq!((map.width(), map.height()), (60, 40));
+        let told = b"tEXtSoftware\0karamelo-rs";
+        assert!(bytes.windows(told.len()).any(|part| part == told));
         let pixel = map.pixel(30, 20).unwrap();
         assert_eq!((pixel.red(), pixel.green(), pixel.blue()), (255, 0, 0));
         assert_eq!(map.pixel(2, 2).unwrap().red(), 255);
         assert_eq!(map.pixel(30, 39).unwrap().red(), 0);
+        let pixel = map.pixel(50, 30).unwrap();
+        assert_eq!((pixel.red(), pixel.green(), pixel.blue()), (0, 9, 200));
     }
 
     #[test]
     fn svg_escapes_text_and_pdf_is_framed() {
         let svg = String::from_utf8(drawing().encode(Path::new("a.svg"))).unwrap();
         assert!(svg.contains("a&lt;b") && svg.contains("<circle"));
+        assert!(
+            svg.contains("width=\"2\" height=\"1\" xlink:href=\"data:image/png;base64,iVBORw0KGgo")
+        );
         let pdf = drawing().encode(Path::new("a.pdf"));
         assert!(pdf.starts_with(b"%PDF-") && pdf.ends_with(b"%%EOF"));
     }

@@ -1,22 +1,9 @@
 //! Dump files as LAMMPS writes them and OVITO reads them (language.md 8).
 
-use super::{file, gzip, number};
-use crate::fault::Fault;
-use crate::model::checkpoint::Checkpoint;
+use super::number;
+use crate::model::lattice::Lattice;
 use crate::world::World;
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
-
-/// How a snapshot is stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// Text.
-    Text,
-    /// Text in one gzip member.
-    Gzip,
-    /// LAMMPS's binary layout.
-    Binary,
-}
 
 /// One column of a snapshot.
 pub enum Values<'a> {
@@ -31,7 +18,8 @@ pub enum Values<'a> {
 }
 
 impl Values<'_> {
-    fn at(&self, place: usize) -> f64 {
+    /// The number at a place in the columns.
+    pub fn at(&self, place: usize) -> f64 {
         match self {
             Values::Constant(value) => *value,
             Values::Slice(column) => column[place],
@@ -59,6 +47,10 @@ pub struct Table<'a> {
     pub kind: &'a (dyn Fn(usize) -> u64 + Sync),
     /// The columns.
     pub values: Vec<Values<'a>>,
+    /// Where each place is \[L\].
+    pub point: &'a (dyn Fn(usize) -> [f64; 3] + Sync),
+    /// The rows are all nodes of this lattice, the first axis fastest.
+    pub lattice: Option<&'a Lattice>,
 }
 
 /// Corners of the box; axes beyond the dimension are one cell thick. In total Lagrangian methods
@@ -180,51 +172,11 @@ impl Table<'_> {
     }
 }
 
-/// The files of a dump: `*` becomes the step; without `*` one file grows.
-pub struct Series {
-    pattern: String,
-    format: Format,
-    /// Bytes that the growing file has.
-    length: u64,
-}
-
-impl Series {
-    /// Files of a pattern.
-    pub fn new(pattern: &str, format: Format) -> Self {
-        Self { pattern: pattern.to_string(), format, length: 0 }
-    }
-
-    /// Writes a snapshot; gives the file.
-    ///
-    /// # Errors
-    /// The path and the system's reason.
-    pub fn write(&mut self, table: &Table<'_>) -> Result<PathBuf, Fault> {
-        let bytes = match self.format {
-            Format::Text => table.text(),
-            Format::Gzip => gzip::compress(&table.text()),
-            Format::Binary => table.binary(),
-        };
-        let path = PathBuf::from(self.pattern.replace('*', &table.step.to_string()));
-        if self.pattern.contains('*') {
-            file::write_whole(&path, &bytes)?;
-        } else {
-            self.length = file::grow(Path::new(&path), &bytes, self.length)?;
-        }
-        Ok(path)
-    }
-
-    /// Puts the end of a growing file into a checkpoint, or takes it from there: what was written
-    /// beyond it is written once more.
-    pub fn keep(&mut self, checkpoint: &mut Checkpoint) {
-        checkpoint.number("length", &mut self.length);
-    }
-}
-
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn two_rows<'a>(names: &'a [String], order: &'a [u32]) -> Table<'a> {
+    pub(in crate::output) fn two_rows<'a>(names: &'a [String], order: &'a [u32]) -> Table<'a> {
         Table {
             step: 50,
             time: 0.05,
@@ -238,10 +190,12 @@ mod tests {
                 Values::Slice(&[1e-300, -0.4025]),
                 Values::Constant(0.0),
             ],
+            point: &|place| [[0.25, 1e-300, 0.0], [-0.4525, -0.4025, 0.0]][place],
+            lattice: None,
         }
     }
 
-    fn names() -> Vec<String> {
+    pub(in crate::output) fn names() -> Vec<String> {
         ["x", "y", "z"].map(str::to_string).to_vec()
     }
 
@@ -266,20 +220,5 @@ mod tests {
         assert_eq!(last, 1e-300);
         let fixed = 8 + 10 + 8 + 16 + 4 + 24 + 48 + 8 + 9 + 4 + "id type tag x y z".len() + 4;
         assert_eq!(bytes.len(), fixed + 4 + 2 * 6 * 8);
-    }
-
-    #[test]
-    fn a_pattern_makes_a_file_per_step_and_a_name_a_growing_one() {
-        let directory = tempfile::tempdir().unwrap();
-        let names = names();
-        let table = two_rows(&names, &[1, 0]);
-        let pattern = directory.path().join("d.*.txt");
-        let path = Series::new(&pattern.to_string_lossy(), Format::Text).write(&table).unwrap();
-        assert!(path.ends_with("d.50.txt"));
-        let name = directory.path().join("all.txt");
-        let mut series = Series::new(&name.to_string_lossy(), Format::Text);
-        series.write(&table).unwrap();
-        series.write(&table).unwrap();
-        assert_eq!(std::fs::read(&name).unwrap().len(), 2 * table.text().len());
     }
 }

@@ -1,18 +1,19 @@
 //! Dumps of the grid.
 
-use super::lammps::{Format, Series, Table, Values, corners};
+use super::lammps::{Table, Values, corners};
+use super::series::{Format, Series};
 use super::{BuildDump, Dump, DumpTarget, Snapshot};
 use crate::fault::Fault;
 use crate::fix::GroupKind;
 use crate::model::checkpoint::Checkpoint;
 use crate::model::group::{Group, GroupId};
+use crate::model::lattice::Lattice;
 use crate::plan::Plan;
 use crate::script::arguments::Args;
 use crate::script::diagnostic::{Code, Diagnostic};
 use crate::script::suggest;
 use crate::style::Style;
 use crate::world::World;
-use std::path::PathBuf;
 
 const FIELDS: [&str; 16] = [
     "x", "y", "z", "vx", "vy", "vz", "bx", "by", "bz", "mass", "mask", "rigid", "T", "ntypex",
@@ -44,6 +45,31 @@ pub const GZIP: Style<BuildDump> =
 pub const BINARY: Style<BuildDump> =
     row("grid/bin", "nodes in LAMMPS's binary layout", |args, t| build(args, t, Format::Binary));
 
+const VTK_MANUAL: &str = "\
+The fields of `grid` in files *.vti, regular lattices of all nodes at their reference places, or
+*.vtp, points at their current places. Components become one array: v, b; id and type are always
+there. Where there are several lattices (total Lagrangian solids, bodies in contact) a snapshot is a
+file *.vti for each. A name with a `*` (the step) makes one file per snapshot and `NAME.pvd`, the series
+with its times, which ParaView opens: `dump(d, all, grid/vtk, 100, grid.*.vti, vx, vy, vz, mass)`.";
+
+/// The row of `grid/vtk`.
+pub const VTK: Style<BuildDump> = Style {
+    manual: VTK_MANUAL,
+    ..row("grid/vtk", "nodes for ParaView", |args, target| {
+        target.need_suffix("a file of nodes", &[".vti", ".vtp"])?;
+        if target.file.ends_with(IMAGE) && target.kind == GroupKind::Nodes {
+            let message = "a lattice has the nodes of the group `all`";
+            return Err(Diagnostic::error(Code::GroupKind, target.group_span, message)
+                .label("not `all`")
+                .help("a file *.vtp takes any group of nodes"));
+        }
+        build(args, target, Format::Vtk)
+    })
+};
+
+/// Files of regular lattices.
+const IMAGE: &str = ".vti";
+
 fn build(
     args: &mut Args<'_>,
     target: &DumpTarget,
@@ -69,14 +95,17 @@ fn build(
             break;
         }
     }
+    let images = format == Format::Vtk && target.file.ends_with(IMAGE);
     let series = Series::new(&target.file, format);
-    Ok(Box::new(GridDump { group: target.group, names, series }))
+    Ok(Box::new(GridDump { group: target.group, names, series, images }))
 }
 
 struct GridDump {
     group: GroupId,
     names: Vec<String>,
     series: Series,
+    /// Each lattice is a regular one of its own.
+    images: bool,
 }
 
 impl Dump for GridDump {
@@ -94,34 +123,62 @@ impl Dump for GridDump {
         self.series.keep(checkpoint);
     }
 
-    fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<PathBuf, Fault> {
+    fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<Vec<String>, Fault> {
         let world = snapshot.world;
         let nodes = all_nodes(world, self.group);
-        let order: Vec<u32> = (0..nodes.len() as u32).collect();
-        let values = self.names.iter().map(|name| values(name, world, &nodes)).collect();
         let lattices = &world.grid.lattices;
-        let before: Vec<u64> = lattices
+        let mut before = vec![0];
+        for lattice in lattices {
+            before.push(before[before.len() - 1] + lattice.count());
+        }
+        // A row of each table for each node.
+        let orders: Vec<(Vec<u32>, Option<&Lattice>)> = match self.images {
+            false => vec![((0..nodes.len() as u32).collect(), None)],
+            true => lattices
+                .iter()
+                .zip(&before)
+                .map(|(lattice, first)| (first_axis_fastest(lattice, *first), Some(lattice)))
+                .collect(),
+        };
+        let id = |place: usize| {
+            let (lattice, node) = nodes[place];
+            before[lattice] + lattices[lattice].number(node) + 1
+        };
+        let kind = |place: usize| nodes[place].0 as u64 + 1;
+        let point = |row: usize| place(world, nodes[row]);
+        let corners = corners(world, nodes.iter().map(|node| place(world, *node)));
+        let tables: Vec<Table<'_>> = orders
             .iter()
-            .scan(0, |sum, lattice| {
-                let first = *sum;
-                *sum += lattice.count();
-                Some(first)
+            .map(|(order, lattice)| Table {
+                step: snapshot.step,
+                time: snapshot.time,
+                corners,
+                names: &self.names,
+                order,
+                id: &id,
+                kind: &kind,
+                values: self.names.iter().map(|name| values(name, world, &nodes)).collect(),
+                point: &point,
+                lattice: *lattice,
             })
             .collect();
-        self.series.write(&Table {
-            step: snapshot.step,
-            time: snapshot.time,
-            corners: corners(world, nodes.iter().map(|node| place(world, *node))),
-            names: &self.names,
-            order: &order,
-            id: &|place| {
-                let (lattice, node) = nodes[place];
-                before[lattice] + lattices[lattice].number(node) + 1
-            },
-            kind: &|place| nodes[place].0 as u64 + 1,
-            values,
-        })
+        self.series.write(&tables)
     }
+}
+
+/// Rows of the nodes of a lattice with the first axis fastest, of all nodes with the last axis
+/// fastest, the first of which is row `first`.
+fn first_axis_fastest(lattice: &Lattice, first: u64) -> Vec<u32> {
+    let [nx, ny, nz] = lattice.nodes;
+    let mut rows = Vec::with_capacity(nx * ny * nz);
+    for k in 0..nz {
+        for j in 0..ny {
+            for i in 0..nx {
+                rows.push((first + lattice.number([i, j, k])) as u32);
+            }
+        }
+    }
+    rows
 }
 
 /// Number of a lattice and index of one of its nodes.

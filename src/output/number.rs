@@ -42,6 +42,20 @@ pub fn brief(value: f64) -> String {
     format!("{value:.6e}")
 }
 
+/// A number of a scale: as few digits as it has among the first five.
+pub fn short(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
+        return brief(format!("{value:.4e}").parse().unwrap_or(value));
+    }
+    let digits = format!("{value:.4e}");
+    match digits.split_once('e') {
+        Some((mantissa, power)) if mantissa.contains('.') => {
+            format!("{}e{power}", mantissa.trim_end_matches('0').trim_end_matches('.'))
+        }
+        _ => digits,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -70,6 +84,20 @@ mod tests {
             (1e-9, "1.000000e-9"),
         ] {
             assert_eq!(brief(value), expected);
+        }
+    }
+
+    #[test]
+    fn numbers_of_a_scale_are_short() {
+        for (value, expected) in [
+            (0.30000000000000004, "0.3"),
+            (2e8, "2e8"),
+            (-1.5e-5, "-1.5e-5"),
+            (0.0, "0"),
+            (400.0, "400"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(short(value), expected);
         }
     }
 

@@ -1,202 +1,357 @@
-//! Pictures of particles and nodes (`pyplot`).
+//! Pictures of particles coloured by a field (`picture`).
+
+mod camera;
 
 use super::canvas::{Anchor, Canvas, Colour, Mark, round_step};
+use super::colours::{self, MAPS, Map};
+use super::field::{self, Columns, Field};
+use super::frame::{self, Frame, MARGIN};
+use super::raster::{Ball, Drawing};
 use super::{BuildDump, Dump, DumpTarget, Snapshot, file, number};
 use crate::fault::Fault;
 use crate::fix::GroupKind;
-use crate::model::domain::Domain;
+use crate::model::checkpoint::Checkpoint;
+use crate::model::group::GroupId;
 use crate::plan::Plan;
 use crate::script::arguments::Args;
 use crate::script::diagnostic::{Code, Diagnostic};
-use crate::shape::ShapeKind;
 use crate::style::Style;
 use crate::world::World;
+use camera::Camera;
 use std::path::PathBuf;
 
 /// The row of the table.
 pub const STYLE: Style<BuildDump> = Style {
-    name: "pyplot",
-    usage: "[w, h]",
-    summary: "pictures: nodes as crosses, particles as dots coloured by solid",
+    name: "picture",
+    usage: "field [, option, ...]",
+    summary: "pictures of particles coloured by a field, in 3-D with light and depth",
     manual: "\
-w x h pixels, 1200 x 780 unless given; the suffix .pdf, .png or .svg chooses the format. `*` in
-the name is the step, without it the picture is overwritten. 3-D is seen along -z.",
+One picture for each snapshot in the format of the suffix, .png, .svg or .pdf; `*` in the name is the
+step, without it the picture is overwritten. The field is `solid` (a colour for each solid) or any
+field of a dump of particles: `dump(p, all, picture, 100, film.*.png, seq, range, 0, 2e8, numbered)`.
+Options, in any order:
+range, low, high     colours between these numbers, the same in all pictures; otherwise between the
+                     smallest and the largest number of each picture
+map, viridis         colours, or map, cool-warm: blue and red about a light middle
+size, w, h           pixels (1000, 700)
+limits, xlo, xhi [, ylo, yhi [, zlo, zhi]]   what is shown (the box); particles outside are not
+view, azimuth, elevation   degrees about and above the horizon from where a 3-D scene is seen (-60, 20);
+                     view, -90, 0 looks along y, view, -90, 90 along -z
+up, x|y|z            the axis that points upwards (z)
+dots, factor         radius of the dots, in halves of the edge of a cube of the particle's volume
+                     (1.42: no gaps)
+numbered             `*` is the number of the picture with five digits, 00000, 00001, ..., as programs
+                     that make films want them: ffmpeg -framerate 25 -i film.%05d.png film.mp4
+3-D is a parallel projection: the box with lines, balls that hide each other, axes and a scale.",
     build: Some(build),
 };
 
 /// Largest side of a picture.
 const LARGEST: f64 = 16384.0;
 
-/// More nodes than this are not drawn one by one.
-const MOST_CROSSES: usize = 40_000;
+/// Digits of numbered pictures.
+const DIGITS: usize = 5;
 
-fn build(args: &mut Args<'_>, target: &DumpTarget) -> Result<Box<dyn Dump>, Diagnostic> {
-    if target.kind != GroupKind::All {
-        let message = "a picture shows the group `all`";
-        return Err(
-            Diagnostic::error(Code::GroupKind, target.group_span, message).label("not `all`")
-        );
-    }
-    let known = [".pdf", ".png", ".svg"];
-    if !known.iter().any(|suffix| target.file.ends_with(suffix)) {
-        let message = format!("`{}` has no suffix of a picture", target.file);
-        return Err(Diagnostic::error(Code::UnknownField, target.file_span, message)
-            .label("unknown suffix")
-            .help(format!("one of {}", known.join(", "))));
-    }
-    let mut size = [1200.0, 780.0];
-    if args.remaining() > 0 {
-        size = [
-            args.within("the width", 16.0, LARGEST)?.value,
-            args.within("the height", 16.0, LARGEST)?.value,
-        ];
-    }
-    let [width, height] = size.map(|side| side as u32);
-    Ok(Box::new(Picture { pattern: target.file.clone(), width, height }))
+/// Room for the bar of colours \[pixels\].
+const BAR: f64 = 110.0;
+
+/// What colours show.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Shown {
+    Solid,
+    Field(Field),
 }
 
 struct Picture {
     pattern: String,
-    width: u32,
-    height: u32,
+    group: GroupId,
+    shown: Shown,
+    name: String,
+    range: Option<[f64; 2]>,
+    map: Map,
+    size: [u32; 2],
+    limits: Option<[[f64; 3]; 2]>,
+    camera: Camera,
+    dots: f64,
+    /// Number of the next picture, where `*` is not the step.
+    number: Option<u64>,
+}
+
+fn build(args: &mut Args<'_>, target: &DumpTarget) -> Result<Box<dyn Dump>, Diagnostic> {
+    if target.kind == GroupKind::Nodes {
+        let message = "a picture shows `all` or a group of particles";
+        return Err(Diagnostic::error(Code::GroupKind, target.group_span, message)
+            .label("this is a group of nodes"));
+    }
+    target.need_suffix("a picture", &[".pdf", ".png", ".svg"])?;
+    let name = args.word("a field, or `solid`")?;
+    let shown = match name.text.as_str() {
+        "solid" => Shown::Solid,
+        _ => Shown::Field(field::find(&name)?),
+    };
+    let mut picture = Picture {
+        pattern: target.file.clone(),
+        group: target.group,
+        shown,
+        name: name.text,
+        range: None,
+        map: MAPS[0],
+        size: [1000, 700],
+        limits: None,
+        camera: Camera::new(-60.0, 20.0),
+        dots: 1.42,
+        number: None,
+    };
+    while args.remaining() > 0 {
+        picture.option(args, target)?;
+    }
+    Ok(Box::new(picture))
+}
+
+/// Two numbers, the second of which is the larger.
+fn limits(args: &mut Args<'_>, what: [&str; 2]) -> Result<[f64; 2], Diagnostic> {
+    let low = args.number(what[0])?;
+    let high = args.number(what[1])?;
+    if low.known && high.known && high.value <= low.value {
+        return Err(args.out_of_range(&high, &format!("{} must be above {}", what[1], what[0])));
+    }
+    Ok([low.value, high.value])
+}
+
+impl Picture {
+    fn option(&mut self, args: &mut Args<'_>, target: &DumpTarget) -> Result<(), Diagnostic> {
+        const WORDS: [&str; 8] =
+            ["range", "map", "size", "limits", "view", "up", "dots", "numbered"];
+        let span = args.next_span();
+        match WORDS[args.choice("an option of a picture", &WORDS)?] {
+            "range" => {
+                self.range = Some(limits(args, ["the lowest number", "the highest number"])?)
+            }
+            "map" => {
+                let names = MAPS.map(|map| map.name);
+                self.map = MAPS[args.choice("a map of colours", &names)?];
+            }
+            "size" => {
+                let width = args.within("the width", 64.0, LARGEST)?.value;
+                let height = args.within("the height", 64.0, LARGEST)?.value;
+                self.size = [width as u32, height as u32];
+            }
+            "limits" => {
+                let mut corners = [[0.0; 3]; 2];
+                for (axis, letter) in ["x", "y", "z"].iter().enumerate().take(target.dimension) {
+                    let what =
+                        ["lower", "upper"].map(|side| format!("the {side} limit of {letter}"));
+                    let [low, high] = limits(args, [&what[0], &what[1]])?;
+                    (corners[0][axis], corners[1][axis]) = (low, high);
+                }
+                self.limits = Some(corners);
+            }
+            "view" => {
+                let azimuth = args.within("the azimuth in degrees", -360.0, 360.0)?.value;
+                let elevation = args.within("the elevation in degrees", -90.0, 90.0)?.value;
+                let up = self.camera.up;
+                self.camera = Camera::new(azimuth, elevation);
+                self.camera.up = up;
+            }
+            "up" => {
+                self.camera.up = args.choice("the axis that points upwards", &["x", "y", "z"])?
+            }
+            "dots" => self.dots = args.within("the size of the dots", 0.01, 100.0)?.value,
+            _ if self.pattern.contains('*') => self.number = Some(0),
+            _ => {
+                let message = "numbered pictures need a `*` in the name of the file";
+                return Err(Diagnostic::error(Code::NotCombined, span, message)
+                    .label("there is one picture only"));
+            }
+        }
+        Ok(())
+    }
 }
 
 impl Dump for Picture {
-    fn needs(&self, plan: &mut Plan, _dimension: usize) {
-        plan.node_places = true;
-    }
-
-    fn shows_nodes(&self) -> bool {
-        true
-    }
-
-    fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<PathBuf, Fault> {
-        let path = PathBuf::from(self.pattern.replace('*', &snapshot.step.to_string()));
-        file::write_whole(&path, &draw(snapshot, self.width, self.height).encode(&path))?;
-        Ok(path)
-    }
-}
-
-/// From places \[L\] to pixels: equal scale on both axes, x to the right, y upwards.
-struct Frame {
-    lower: [f64; 2],
-    upper: [f64; 2],
-    scale: f64,
-    origin: [f64; 2],
-}
-
-const MARGIN: f64 = 50.0;
-
-impl Frame {
-    fn new(domain: &Domain, width: u32, height: u32) -> Self {
-        let [mut lower, mut upper] = [domain.lower, domain.upper].map(|c| [c[0], c[1]]);
-        if domain.dimension == 1 {
-            (lower[1], upper[1]) = (-domain.cell, domain.cell);
+    fn needs(&self, plan: &mut Plan, dimension: usize) {
+        if let Shown::Field(field) = self.shown {
+            field.needs(plan, dimension);
         }
-        let size = [upper[0] - lower[0], upper[1] - lower[1]];
-        let room = [f64::from(width), f64::from(height)].map(|side| (side - 2.0 * MARGIN).max(8.0));
-        let scale = (room[0] / size[0]).min(room[1] / size[1]);
-        let middle = [0, 1].map(|a| 0.5 * (lower[a] + upper[a]));
-        let origin = [
-            0.5 * f64::from(width) - scale * middle[0],
-            0.5 * f64::from(height) + scale * middle[1],
-        ];
-        Self { lower, upper, scale, origin }
     }
 
-    fn pixel(&self, x: f64, y: f64) -> [f32; 2] {
-        [(self.origin[0] + self.scale * x) as f32, (self.origin[1] - self.scale * y) as f32]
+    fn keep(&mut self, checkpoint: &mut Checkpoint) {
+        if let Some(number) = &mut self.number {
+            checkpoint.number("number", number);
+        }
     }
-}
 
-/// The picture of a snapshot.
-fn draw(snapshot: &Snapshot<'_>, width: u32, height: u32) -> Canvas {
-    let world = snapshot.world;
-    let frame = Frame::new(&world.domain, width, height);
-    let mut canvas = Canvas::new(width, height);
-    crosses(&mut canvas, &frame, world);
-    // Storage changes as particles move; a picture does not.
-    let mut order: Vec<usize> = (0..world.particles.len()).collect();
-    order.sort_unstable_by_key(|p| world.particles.id[*p]);
-    for solid in 0..world.solids.len() {
-        let of_solid = |p: &usize| world.particles.solid[*p] as usize == solid;
-        let place = |p: usize| {
-            let [x, y, ..] = world.particles.position[p];
-            frame.pixel(x, y)
+    fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<Vec<String>, Fault> {
+        let number = match &mut self.number {
+            Some(number) => {
+                *number += 1;
+                format!("{:0DIGITS$}", *number - 1)
+            }
+            None => snapshot.step.to_string(),
         };
-        let centres = order.iter().copied().filter(of_solid).map(place).collect();
-        let spacing = world.solids[solid].cells.cell / world.solids[solid].particles_per_cell;
-        let radius = (0.4 * spacing * frame.scale).clamp(0.5, 20.0) as f32;
-        canvas.marks.push(Mark::Dots { centres, radius, colour: Colour::of(solid) });
+        let path = PathBuf::from(self.pattern.replace('*', &number));
+        file::write_whole(&path, &self.draw(snapshot).encode(&path))?;
+        Ok(vec![self.pattern.clone()])
     }
-    outlines(&mut canvas, &frame, world, &order);
-    axes(&mut canvas, &frame);
-    let title = format!("t = {}", number::brief(snapshot.time));
-    canvas.text([0.5 * width as f32, 0.5 * MARGIN as f32], 16.0, Anchor::Middle, title);
-    canvas
 }
 
-fn crosses(canvas: &mut Canvas, frame: &Frame, world: &World) {
-    const ARM: f32 = 2.0;
-    // Lattices of contact lie on one another.
-    let count = if world.method.total { world.grid.lattices.len() } else { 1 };
-    let lattices = &world.grid.lattices[..count.min(world.grid.lattices.len())];
-    let counts = lattices.iter().map(|lattice| lattice.nodes[0].saturating_mul(lattice.nodes[1]));
-    if counts.fold(0, usize::saturating_add) > MOST_CROSSES {
-        return;
-    }
-    let mut segments = Vec::new();
-    for lattice in lattices {
-        for i in 0..lattice.nodes[0] {
-            for j in 0..lattice.nodes[1] {
-                let node = [i, j, lattice.window.lower[2]];
-                let [x, y, _] = match lattice.window.local(node) {
-                    Some(local) => world.grid.places().of(local).0,
-                    None => lattice.place(node),
-                };
-                let [x, y] = frame.pixel(x, y);
-                segments.push([[x - ARM, y], [x + ARM, y]]);
-                segments.push([[x, y - ARM], [x, y + ARM]]);
+/// Particles that are shown, by ascending id, with their colours.
+struct Dots {
+    places: Vec<[f64; 3]>,
+    radii: Vec<f64>,
+    colours: Vec<Colour>,
+    /// Limits of the numbers.
+    range: [f64; 2],
+}
+
+impl Picture {
+    fn draw(&self, snapshot: &Snapshot<'_>) -> Canvas {
+        let world = snapshot.world;
+        let dots = self.dots(world);
+        let mut canvas = Canvas::new(self.size[0], self.size[1]);
+        let [width, height] = self.size.map(f64::from);
+        let room = [width - BAR, height];
+        match world.domain.dimension {
+            3 => self.in_space(&mut canvas, world, &dots, room),
+            _ => self.in_plane(&mut canvas, world, &dots, room),
+        }
+        let title = format!("t = {}", number::brief(snapshot.time));
+        canvas.text([0.5 * room[0] as f32, 0.5 * MARGIN as f32], 16.0, Anchor::Middle, title);
+        match self.shown {
+            Shown::Field(_) => {
+                let heights = [MARGIN + 20.0, height - MARGIN];
+                self.map.bar(&mut canvas, &self.name, dots.range, room[0], heights);
             }
+            Shown::Solid => legend(&mut canvas, world, room[0]),
+        }
+        canvas
+    }
+
+    fn dots(&self, world: &World) -> Dots {
+        let particles = &world.particles;
+        let inside = |p: &usize| match self.limits {
+            Some([low, high]) => {
+                let place = world.place(*p);
+                (0..world.domain.dimension).all(|a| low[a] <= place[a] && place[a] <= high[a])
+            }
+            None => true,
+        };
+        let mut order: Vec<usize> =
+            particles.of_group(&world.groups, self.group).filter(inside).collect();
+        order.sort_unstable_by_key(|p| particles.id[*p]);
+        let mut range = [0.0, 1.0];
+        let colours = match self.shown {
+            Shown::Solid => {
+                order.iter().map(|p| Colour::of(particles.solid[*p] as usize)).collect()
+            }
+            Shown::Field(field) => {
+                let values = Columns::new(world).values(field);
+                let numbers = || order.iter().map(|p| values.at(*p));
+                range = self.range.unwrap_or_else(|| colours::range(numbers()));
+                let [low, high] = range;
+                numbers().map(|value| self.map.of((value - low) / (high - low))).collect()
+            }
+        };
+        let radius = |p: &usize| self.dots * field::radius(world, *p);
+        Dots {
+            places: order.iter().map(|p| world.place(*p)).collect(),
+            radii: order.iter().map(radius).collect(),
+            colours,
+            range,
         }
     }
-    canvas.marks.push(Mark::Lines { segments, width: 0.7, colour: Colour::GREY });
-}
 
-/// The edges of the domains of particles (CPDI).
-fn outlines(canvas: &mut Canvas, frame: &Frame, world: &World, order: &[usize]) {
-    let ShapeKind::Corners(kind) = world.method.shape else { return };
-    let edges = kind.edges(world.domain.dimension);
-    let mut segments = Vec::new();
-    for p in order {
-        let corners = world.corners(*p);
-        let pixel = |c: usize| frame.pixel(corners[c][0], corners[c][1]);
-        segments.extend(edges.iter().map(|[from, to]| [pixel(*from), pixel(*to)]));
+    /// Limits of x, y, z that are shown.
+    fn shown_limits(&self, world: &World) -> [[f64; 3]; 2] {
+        self.limits.unwrap_or([world.domain.lower, world.domain.upper])
     }
-    canvas.marks.push(Mark::Lines { segments, width: 0.5, colour: Colour::BLACK });
-}
 
-/// The border of the box with ticks at round numbers.
-fn axes(canvas: &mut Canvas, frame: &Frame) {
-    let ([x0, y0], [x1, y1]) = (frame.lower, frame.upper);
-    let corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]];
-    let points = corners.map(|[x, y]| frame.pixel(x, y)).to_vec();
-    canvas.marks.push(Mark::Path { points, width: 1.0, colour: Colour::BLACK });
-    for axis in 0..2 {
-        let (low, high) = (frame.lower[axis], frame.upper[axis]);
-        let step = round_step(high - low, 5.0);
-        let first = (low / step).ceil() as i64;
-        let last = (high / step + 1e-9).floor() as i64;
-        for tick in first..=last {
-            let value = tick as f64 * step;
-            let label = number::brief(value);
-            if axis == 0 {
-                let [x, y] = frame.pixel(value, y0);
-                canvas.text([x, y + 16.0], 12.0, Anchor::Middle, label);
-            } else {
-                let [x, y] = frame.pixel(x0, value);
-                canvas.text([x - 6.0, y + 4.0], 12.0, Anchor::End, label);
+    fn in_plane(&self, canvas: &mut Canvas, world: &World, dots: &Dots, room: [f64; 2]) {
+        let limits = match self.limits {
+            Some([low, high]) if world.domain.dimension > 1 => [low, high].map(|c| [c[0], c[1]]),
+            Some([low, high]) => {
+                let [[_, below], [_, above]] = frame::limits(&world.domain);
+                [[low[0], below], [high[0], above]]
+            }
+            None => frame::limits(&world.domain),
+        };
+        let frame = Frame::new(limits, room[0], room[1]);
+        let corner = frame.place(frame.lower[0], frame.upper[1]).map(f64::round);
+        let end = frame.place(frame.upper[0], frame.lower[1]).map(f64::round);
+        let size = [0, 1].map(|axis| (end[axis] - corner[axis]).max(1.0) as usize);
+        let balls = dots.balls(frame.scale, |place| {
+            let [x, y] = frame.place(place[0], place[1]);
+            [x - corner[0], y - corner[1], 0.0]
+        });
+        let mut drawing = Drawing::new(size[0], size[1]);
+        drawing.balls(&balls);
+        let place = corner.map(|x| x as f32);
+        canvas.marks.push(Mark::Image { place, raster: drawing.finish(&balls, false) });
+        frame.axes(canvas);
+    }
+
+    fn in_space(&self, canvas: &mut Canvas, world: &World, dots: &Dots, room: [f64; 2]) {
+        let [low, high] = self.shown_limits(world);
+        let corners: [[f64; 3]; 8] = std::array::from_fn(|corner| {
+            std::array::from_fn(|axis| [low, high][corner >> axis & 1][axis])
+        });
+        let seen = corners.map(|corner| self.camera.seen(corner));
+        let bounds = |axis: usize| colours::range(seen.iter().map(|place| place[axis]));
+        let ([left, right], [below, above]) = (bounds(0), bounds(1));
+        let top = MARGIN;
+        let frame = Frame::new([[left, below], [right, above]], room[0], room[1] - top);
+        let pixel = |place: [f64; 3]| {
+            let [x, y, depth] = self.camera.seen(place);
+            let [x, y] = frame.place(x, y);
+            [x, y, frame.scale * depth]
+        };
+        let balls = dots.balls(frame.scale, pixel);
+        let size = [room[0].max(1.0) as usize, (room[1] - top).max(1.0) as usize];
+        let mut drawing = Drawing::new(size[0], size[1]);
+        drawing.balls(&balls);
+        for (a, b) in (0..8).flat_map(|a| (0..3).map(move |axis| (a, a | 1 << axis))) {
+            if a != b {
+                drawing.line(pixel(corners[a]), pixel(corners[b]));
             }
         }
+        let raster = drawing.finish(&balls, true);
+        canvas.marks.push(Mark::Image { place: [0.0, top as f32], raster });
+        self.camera.axes(canvas, [45.0, room[1] as f32 - 45.0]);
+        scale(canvas, frame.scale, room);
+    }
+}
+
+impl Dots {
+    fn balls(&self, scale: f64, pixel: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<Ball> {
+        let ball = |((place, radius), colour): ((&[f64; 3], &f64), &Colour)| Ball {
+            centre: pixel(*place),
+            radius: radius * scale,
+            colour: *colour,
+        };
+        self.places.iter().zip(&self.radii).zip(&self.colours).map(ball).collect()
+    }
+}
+
+/// A line of a round length.
+fn scale(canvas: &mut Canvas, pixels: f64, room: [f64; 2]) {
+    let length = round_step(0.1 * room[0] / pixels, 1.0);
+    let (x, y) = (room[0] as f32 - 20.0, room[1] as f32 - 25.0);
+    let start = x - (length * pixels) as f32;
+    let segments = vec![
+        [[start, y], [x, y]],
+        [[start, y - 4.0], [start, y + 4.0]],
+        [[x, y - 4.0], [x, y + 4.0]],
+    ];
+    canvas.marks.push(Mark::Lines { segments, width: 1.5, colour: Colour::BLACK });
+    canvas.text([0.5 * (start + x), y - 8.0], 12.0, Anchor::Middle, number::brief(length));
+}
+
+/// The names of the solids.
+fn legend(canvas: &mut Canvas, world: &World, x: f64) {
+    for (number, solid) in world.solids.iter().enumerate() {
+        let y = MARGIN as f32 + 20.0 * (number as f32 + 1.0);
+        let (centres, colour) = (vec![[x as f32 + 6.0, y - 4.0]], Colour::of(number));
+        canvas.marks.push(Mark::Dots { centres, radius: 6.0, colour });
+        canvas.text([x as f32 + 18.0, y], 12.0, Anchor::Start, solid.name.clone());
     }
 }

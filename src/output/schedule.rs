@@ -157,7 +157,7 @@ impl Outputs {
 
     /// Notes a file among those written.
     pub fn note_file(&mut self, path: &std::path::Path, step: u64) {
-        note(&mut self.written, path, step);
+        note(&mut self.written, pattern(path, step));
     }
 
     /// The log file, if there is one.
@@ -310,8 +310,9 @@ impl Outputs {
         for entry in self.dumps.iter_mut().filter(|entry| entry.due(step)) {
             entry.last = Some(step);
             if !self.mute {
-                let path = entry.dump.write(snapshot)?;
-                note(&mut self.written, &path, step);
+                for name in entry.dump.write(snapshot)? {
+                    note(&mut self.written, name);
+                }
             }
         }
         for curve in self.curves.iter_mut().filter(|curve| curve.due(step, last)) {
@@ -400,7 +401,7 @@ impl Outputs {
             .map(|c| plot::Curve { name: &c.id, axes: [&c.x.0, &c.y.0], points: &c.points })
             .collect();
         plot::save(&path, &curves)?;
-        note(&mut self.written, &path, u64::MAX);
+        note(&mut self.written, path.display().to_string());
         Ok(())
     }
 
@@ -416,11 +417,26 @@ impl Outputs {
         for line in self.written() {
             self.log.line(&format!("wrote {line}"))?;
         }
-        if self.written.iter().any(|file| file.name.contains('*')) {
-            self.log.line("open the series of dumps in OVITO: Load File, any one of them")?;
-        }
+        self.tell_how_to_open()?;
         let seconds = self.whole.elapsed().as_secs_f64();
         self.log.line(&format!("Total wall time: {} s", number::brief(seconds)))
+    }
+
+    /// Which program opens the series.
+    fn tell_how_to_open(&mut self) -> Result<(), Fault> {
+        let of_ovito = self.written.iter().any(|file| {
+            let others = [".vtp", ".vti", ".png", ".svg", ".pdf", ".rst"];
+            file.name.contains('*') && !others.iter().any(|suffix| file.name.ends_with(suffix))
+        });
+        if of_ovito {
+            self.log.line("open the series of dumps in OVITO: Load File, any one of them")?;
+        }
+        let indices = self.written.iter().filter(|file| file.name.ends_with(".pvd"));
+        let indices: Vec<String> = indices.map(|file| file.name.clone()).collect();
+        if !indices.is_empty() {
+            self.log.line(&format!("open in ParaView, with times: {}", indices.join(", ")))?;
+        }
+        Ok(())
     }
 
     /// Files written so far, by pattern, with their number.
@@ -434,18 +450,22 @@ impl Outputs {
     }
 }
 
-/// Counts a file under its pattern: the step becomes `*`.
-fn note(written: &mut Vec<Written>, path: &std::path::Path, step: u64) {
+/// Counts a file under its name, in which `*` stands for the step.
+fn note(written: &mut Vec<Written>, name: String) {
+    match written.iter_mut().find(|known| known.name == name) {
+        Some(known) => known.count += u64::from(name.contains('*')),
+        None => written.push(Written { name, count: 1 }),
+    }
+}
+
+/// The name of a file with `*` in the place of the step.
+fn pattern(path: &std::path::Path, step: u64) -> String {
     let name = path.display().to_string();
-    let pattern = match name.rfind(&format!(".{step}.")) {
+    match name.rfind(&format!(".{step}.")) {
         Some(place) => {
             format!("{}.*{}", &name[..place], &name[place + 1 + step.to_string().len()..])
         }
         None => name,
-    };
-    match written.iter_mut().find(|known| known.name == pattern) {
-        Some(known) => known.count += u64::from(pattern.contains('*')),
-        None => written.push(Written { name: pattern, count: 1 }),
     }
 }
 

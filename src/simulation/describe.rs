@@ -125,7 +125,7 @@ impl Simulation {
             Some(dt) => format!("{dt} (set_dt); stable: {:.4e}", stable.dt),
             None => format!("{:.4e} ({} limit)", stable.dt, stable.limit.name()),
         };
-        vec![
+        let mut rows = vec![
             ("particles", format!("{count} in {} solids", world.solids.len())),
             ("method", self.method_in_words()),
             ("grid", grids.join(", ")),
@@ -134,8 +134,16 @@ impl Simulation {
             ("wave speed", format!("{:.6e}", waves.fold(0.0, f64::max))),
             ("first time step", dt),
             ("memory", memory::text(mean * world.ranks.size() as f64)),
-            ("threads", rayon::current_num_threads().to_string()),
-        ]
+            (
+                "threads",
+                match world.ranks.size() {
+                    1 => rayon::current_num_threads().to_string(),
+                    size => format!("{} in each of {size} processes", rayon::current_num_threads()),
+                },
+            ),
+        ];
+        rows.extend(self.unit_hint().map(|hint| ("units?", hint)));
+        rows
     }
 
     /// Method, transfer, shape and scheme, in the words of the script.

@@ -1,6 +1,7 @@
 //! PNG, text in a small bitmap font.
 
-use super::{Anchor, Canvas, Colour, Mark, font};
+use super::{Anchor, Canvas, Colour, Mark, Raster, font};
+use crate::output::SOFTWARE;
 use tiny_skia::{FillRule, LineCap, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform};
 
 /// The drawing as PNG; nothing if its size is 0 or too large.
@@ -12,7 +13,36 @@ pub fn encode(canvas: &Canvas) -> Vec<u8> {
     for mark in &canvas.marks {
         add(&mut map, mark);
     }
-    map.encode_png().unwrap_or_default()
+    let mut bytes = map.encode_png().unwrap_or_default();
+    if bytes.len() > HEAD {
+        bytes.splice(HEAD..HEAD, text_chunk("Software", SOFTWARE));
+    }
+    bytes
+}
+
+/// Bytes of the signature and of the first chunk, IHDR.
+const HEAD: usize = 8 + 25;
+
+/// A chunk tEXt: length, type, keyword, text, CRC-32 of type and data.
+fn text_chunk(keyword: &str, text: &str) -> Vec<u8> {
+    let data = format!("tEXt{keyword}\0{text}").into_bytes();
+    let length = (data.len() - 4) as u32;
+    let checksum = crc32fast::hash(&data).to_be_bytes();
+    [&length.to_be_bytes()[..], &data, &checksum].concat()
+}
+
+/// The pixels of a raster.
+fn pixmap(raster: &Raster) -> Option<Pixmap> {
+    let mut map = Pixmap::new(raster.width as u32, raster.height as u32)?;
+    for (pixel, [r, g, b]) in map.pixels_mut().iter_mut().zip(&raster.pixels) {
+        *pixel = tiny_skia::ColorU8::from_rgba(*r, *g, *b, 255).premultiply();
+    }
+    Some(map)
+}
+
+/// A raster as PNG.
+pub fn encode_raster(raster: &Raster) -> Vec<u8> {
+    pixmap(raster).and_then(|map| map.encode_png().ok()).unwrap_or_default()
 }
 
 fn paint(Colour(r, g, b): Colour) -> Paint<'static> {
@@ -51,6 +81,13 @@ fn add(map: &mut Pixmap, mark: &Mark) {
             if let Some(path) = path.finish() {
                 let (paint, turn) = (paint(*colour), Transform::identity());
                 map.fill_path(&path, &paint, FillRule::Winding, turn, None);
+            }
+        }
+        Mark::Image { place: [x, y], raster } => {
+            let (x, y) = (x.round() as i32, y.round() as i32);
+            if let Some(image) = pixmap(raster) {
+                let paint = tiny_skia::PixmapPaint::default();
+                map.draw_pixmap(x, y, image.as_ref(), &paint, Transform::identity(), None);
             }
         }
         Mark::Text { place, size, anchor, text } => write(map, *place, *size, *anchor, text),

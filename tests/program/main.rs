@@ -1,61 +1,13 @@
 //! The program as a user meets it: exit codes, messages, files.
 
+mod pictures;
+mod place;
+mod readers;
+mod shell;
+
 use assert_cmd::cargo::cargo_bin;
-use std::path::Path;
-use std::process::{Command, Output};
-use tempfile::TempDir;
-
-const SCENE: &str = "
-h = 0.1
-method(ulmpm, FLIP, linear, 1)
-dimension(2, 0, 1, 0, 1, h)
-region(disk, sphere, 0.5, 0.5, 0.2)
-material(rubber, linear, 1000, 1e4, 0.3)
-solid(ball, region, disk, 2, rubber, h)
-group(left, particles, region, disk)
-compute(Ek, kinetic_energy, all)
-";
-
-struct Place(TempDir);
-
-impl Place {
-    fn new(script: &str) -> Self {
-        let place = Self(tempfile::tempdir().unwrap());
-        std::fs::write(place.0.path().join("in.mpm"), format!("{SCENE}{script}")).unwrap();
-        place
-    }
-
-    fn command(&self) -> Command {
-        let mut command = Command::new(cargo_bin!("karamelo-rs"));
-        command.current_dir(self.0.path());
-        command
-    }
-
-    fn run(&self, arguments: &[&str]) -> Output {
-        self.command().args(arguments).output().unwrap()
-    }
-
-    fn read(&self, name: &str) -> String {
-        std::fs::read_to_string(self.0.path().join(name)).unwrap()
-    }
-
-    fn files(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(self.0.path()).unwrap();
-        let name = |entry: std::io::Result<std::fs::DirEntry>| entry.unwrap().file_name();
-        let mut names: Vec<String> =
-            entries.map(|entry| name(entry).to_string_lossy().into_owned()).collect();
-        names.sort();
-        names
-    }
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
+use place::{Place, stderr, stdout};
+use std::process::Command;
 
 #[test]
 fn a_run_ends_with_0_and_a_log_that_readers_understand() {
@@ -228,40 +180,6 @@ fn a_reader_that_goes_away_is_no_panic() {
     let output =
         Command::new("sh").args(["-c", &line]).current_dir(place.0.path()).output().unwrap();
     assert!(!stderr(&output).contains("panicked"), "{}", stderr(&output));
-}
-
-/// Runs a Python script with an interpreter that has the readers; `None` if there is none.
-fn python(arguments: &[&Path]) -> Option<Output> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let candidates = [root.join("target/readers/bin/python"), "python3".into()];
-    let interpreter = candidates.into_iter().find(|candidate| {
-        let test = ["-c", "import ovito, lammps_logfile"];
-        Command::new(candidate).args(test).output().is_ok_and(|output| output.status.success())
-    })?;
-    let script = root.join("tests/python/read_outputs.py");
-    Some(Command::new(interpreter).arg(script).args(arguments).output().unwrap())
-}
-
-#[test]
-fn ovito_and_lammps_logfile_read_our_files() {
-    let place = Place::new(
-        "fix(v, initial_velocity_particles, all, 0.1, 0.2)
-dump(a, all, particle, 10, p.*.dump, ovito)
-dump(b, all, particle/gz, 10, p.*.dump.gz, x, y, z, vx, vy, vz)
-dump(c, all, particle/bin, 10, p.*.bin, x, y, z, vx, vy, vz)
-log_modify(custom, dt, time, Ek)
-set_output(5)
-run(10)
-",
-    );
-    assert_eq!(place.run(&["in.mpm", "--quiet"]).status.code(), Some(0));
-    match python(&[place.0.path()]) {
-        Some(output) => {
-            println!("{}", stdout(&output));
-            assert!(output.status.success(), "{}{}", stdout(&output), stderr(&output));
-        }
-        None => println!("not tested: Python's ovito and lammps-logfile are not installed"),
-    }
 }
 
 #[test]
