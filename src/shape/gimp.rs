@@ -29,33 +29,36 @@ Source: Bardenhagen and Kober 2004.";
 /// Weights at `r`, in node spacings from node 0 on axes whose last node is `last`, of particles with
 /// the half sizes `half`, 0 < half <= 1/2 of a spacing.
 ///
-/// Three nodes see a particle, since its box lies within one spacing of the nearest one.
+/// Three nodes see a particle, since its box lies within one spacing of the nearest one. Seen from
+/// that node, a box from t - l to t + l has the part from a to b above it: the node above it gets
+/// the mean of x over the box, (b^2 - a^2)/(4 l), and its slope is the share (b - a)/(2 l) of the box.
+/// It is the same below, and the node in the middle gets what is left.
 ///
 /// # Source  Bardenhagen and Kober 2004; language.md 9.7
 #[inline(always)]
 pub fn weights<V: Wide>(r: V, half: V, last: V) -> Weights<3> {
-    let [zero, one, two, four]: [V; 4] = splats([0.0, 1.0, 2.0, 4.0]);
-    let first = (r - V::splat(0.5)).floor().larger(zero).smaller(last - two);
+    let [zero, one, two, a_half]: [V; 4] = splats([0.0, 1.0, 2.0, 0.5]);
+    let first = (r - a_half).floor().larger(zero).smaller(last - two);
     let d = r - first;
-    let mut weights = Weights {
+    let middle = d - one;
+    let (from, to) = (middle - half, middle + half);
+    let share = a_half / half;
+    let (a, b) = (from.larger(zero), to.larger(zero));
+    let above = share * (b - a);
+    let value_above = a_half * above * (a + b);
+    let (a, b) = (from.smaller(zero), to.smaller(zero));
+    let below = share * (a - b);
+    let value_below = a_half * below * (a + b);
+    Weights {
         first: first.array(),
         offset: d.array(),
-        value: [[0.0; 4]; 3],
-        slope: [[0.0; 4]; 3],
-    };
-    for k in 0..3 {
-        let away = d - V::splat(k as f64);
-        let q = away.absolute();
-        let side = away.below(zero, zero - one, one);
-        let left = (one + half - q).larger(zero);
-        let inner = one - (q * q + half * half) / (two * half);
-        let outer = left * left / (four * half);
-        let value = q.below(half, inner, q.below(one - half, one - q, outer));
-        value.store(&mut weights.value[k]);
-        let slope = q.below(half, q / half, q.below(one - half, one, left / (two * half)));
-        (zero - side * slope).store(&mut weights.slope[k]);
+        value: [
+            value_below.array(),
+            (one - value_below - value_above).array(),
+            value_above.array(),
+        ],
+        slope: [below.array(), (zero - below - above).array(), above.array()],
     }
-    weights
 }
 
 #[cfg(test)]
