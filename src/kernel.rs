@@ -14,7 +14,6 @@
 //! Lagrangian). Particles are sorted by tile ([`tiles`]); tiles of one colour share no node, so
 //! they run in parallel and every sum has one order for any number of threads.
 
-pub mod advect;
 pub mod chunk;
 pub mod cloud;
 pub mod conduction;
@@ -28,6 +27,7 @@ pub mod ghosts;
 pub mod grid;
 pub mod ledger;
 pub mod pairs;
+pub mod patch;
 pub mod points;
 pub mod rigid;
 pub mod scatter;
@@ -45,7 +45,7 @@ pub mod walls;
 /// `by_kind!(d, shape, kernel, args...)` calls `kernel::<2, Tensor<4, Cubic>>(args...)` and so on.
 macro_rules! by_kind {
     ($dimension:expr, $shape:expr, $kernel:ident, $($argument:expr),+) => {{
-        use $crate::kernel::cloud::{Corners, Parallel};
+        use $crate::kernel::cloud::Corners;
         use $crate::kernel::support::{Boxed, Tensor};
         use $crate::shape::{Bernstein, Cubic, DomainKind, Linear, Quadratic, ShapeKind};
         match ($dimension, $shape) {
@@ -65,12 +65,12 @@ macro_rules! by_kind {
             (2, ShapeKind::Gimp | ShapeKind::StretchedGimp) => $kernel::<2, Boxed>($($argument),+),
             (_, ShapeKind::Gimp | ShapeKind::StretchedGimp) => $kernel::<3, Boxed>($($argument),+),
             (dimension, ShapeKind::Corners(kind)) => match (dimension, kind) {
-                (1, _) => $kernel::<1, Parallel<2>>($($argument),+),
-                (2, DomainKind::Quadrangle) => $kernel::<2, Corners<4>>($($argument),+),
-                (2, _) => $kernel::<2, Parallel<4>>($($argument),+),
-                (_, DomainKind::Tetrahedron) => $kernel::<3, Corners<4>>($($argument),+),
-                (_, DomainKind::Hexahedron) => $kernel::<3, Corners<8>>($($argument),+),
-                _ => $kernel::<3, Parallel<8>>($($argument),+),
+                (1, _) => $kernel::<1, Corners<2, 3, false>>($($argument),+),
+                (2, DomainKind::Quadrangle) => $kernel::<2, Corners<4, 9, true>>($($argument),+),
+                (2, _) => $kernel::<2, Corners<4, 9, false>>($($argument),+),
+                (_, DomainKind::Tetrahedron) => $kernel::<3, Corners<4, 1, true>>($($argument),+),
+                (_, DomainKind::Hexahedron) => $kernel::<3, Corners<8, 1, true>>($($argument),+),
+                _ => $kernel::<3, Corners<8, 27, false>>($($argument),+),
             },
         }
     }};
@@ -82,7 +82,7 @@ pub(crate) use by_kind;
 /// or `kernel::<2, false, Tensor<4, Cubic>>(args...)`. CPDI knows no such loops.
 macro_rules! by_space {
     ($axisymmetric:expr, $dimension:expr, $shape:expr, $kernel:ident, $($argument:expr),+) => {{
-        use $crate::kernel::cloud::{Corners, Parallel};
+        use $crate::kernel::cloud::Corners;
         use $crate::kernel::support::{Boxed, Tensor};
         use $crate::shape::{Bernstein, Cubic, DomainKind, Linear, Quadratic, ShapeKind};
         match ($axisymmetric, $dimension, $shape) {
@@ -115,12 +115,12 @@ macro_rules! by_space {
                 $kernel::<3, false, Boxed>($($argument),+)
             }
             (_, dimension, ShapeKind::Corners(kind)) => match (dimension, kind) {
-                (1, _) => $kernel::<1, false, Parallel<2>>($($argument),+),
-                (2, DomainKind::Quadrangle) => $kernel::<2, false, Corners<4>>($($argument),+),
-                (2, _) => $kernel::<2, false, Parallel<4>>($($argument),+),
-                (_, DomainKind::Tetrahedron) => $kernel::<3, false, Corners<4>>($($argument),+),
-                (_, DomainKind::Hexahedron) => $kernel::<3, false, Corners<8>>($($argument),+),
-                _ => $kernel::<3, false, Parallel<8>>($($argument),+),
+                (1, _) => $kernel::<1, false, Corners<2, 3, false>>($($argument),+),
+                (2, DomainKind::Quadrangle) => $kernel::<2, false, Corners<4, 9, true>>($($argument),+),
+                (2, _) => $kernel::<2, false, Corners<4, 9, false>>($($argument),+),
+                (_, DomainKind::Tetrahedron) => $kernel::<3, false, Corners<4, 1, true>>($($argument),+),
+                (_, DomainKind::Hexahedron) => $kernel::<3, false, Corners<8, 1, true>>($($argument),+),
+                _ => $kernel::<3, false, Corners<8, 27, false>>($($argument),+),
             },
         }
     }};

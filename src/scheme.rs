@@ -14,7 +14,7 @@ use crate::kernel::gather::{self, Gather};
 use crate::kernel::points::{self, Points};
 use crate::kernel::sort::{Sorter, corner_cells};
 use crate::kernel::tiles::{Report, Tiles};
-use crate::kernel::{advect, conduction, dilation, filter, grid, rigid, scatter, walls};
+use crate::kernel::{conduction, dilation, filter, grid, rigid, scatter, walls};
 use crate::measure::{self, Captured};
 use crate::model::checkpoint::Checkpoint;
 use crate::model::clock::Clock;
@@ -367,7 +367,6 @@ impl Parts<'_> {
         }
         if !self.world.method.total {
             self.agree_on_sort(report.farthest)?;
-            advect::sweep(&mut self.loops.tiles, self.world, self.clock.dt);
         }
         Ok(())
     }

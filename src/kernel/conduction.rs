@@ -123,8 +123,10 @@ impl<const D: usize, F: Footprint<D>> Sweep for Collect<'_, D, F> {
 
     #[inline(always)]
     fn run<V: Wide>(self) {
-        for (p, (place, temperature)) in self.places.iter().zip(self.temperature).enumerate() {
-            let support = F::at::<V>(self.frame, place, &self.records, p);
+        let mut memory = F::Memory::default();
+        let (places, records) = (self.places, &self.records);
+        for (p, (place, temperature)) in places.iter().zip(self.temperature).enumerate() {
+            let support = F::at::<V, false, false>(&mut memory, self.frame, places, records, p);
             let capacity = place[3] * self.capacity;
             let heat = V::load(&[capacity * temperature, 0.0, 0.0, capacity]);
             support.add(heat, self.nodes);
@@ -185,8 +187,10 @@ impl<const D: usize, F: Footprint<D>> Sweep for Conduct<'_, D, F> {
     #[inline(always)]
     fn run<V: Wide>(mut self) {
         let len = self.places.len().min(LANES);
+        let mut memory = F::Memory::default();
+        let (frame, places, records) = (self.frame, self.places, self.records);
         for p in 0..len {
-            let support = F::at::<V>(self.frame, &self.places[p], &self.records, p);
+            let support = F::at::<V, true, false>(&mut memory, frame, places, &records, p);
             let (columns, _) = support.gradient_and_value::<V>(self.nodes);
             for j in 0..D {
                 self.scratch.records[0][p][j] = columns[j].array()[0];
@@ -197,7 +201,7 @@ impl<const D: usize, F: Footprint<D>> Sweep for Conduct<'_, D, F> {
         }
         let factor = -self.conductivity * self.frame.inverse_spacing.powi(2);
         for p in 0..len {
-            let support = F::at::<V>(self.frame, &self.places[p], &self.records, p);
+            let support = F::at::<V, true, false>(&mut memory, frame, places, &records, p);
             let volume = self.scratch.state.value(Column::J, p) * self.velocity[p][3];
             let flux = self.scratch.records[0][p].map(|slope| factor * volume * slope);
             support.add_divergence(flux, self.heating);
@@ -279,8 +283,10 @@ impl<const D: usize, F: Footprint<D>> Sweep for Gather<'_, D, F> {
 
     #[inline(always)]
     fn run<V: Wide>(self) {
-        for (p, (place, temperature)) in self.places.iter().zip(self.temperature).enumerate() {
-            let support = F::at::<V>(self.frame, place, &self.records, p);
+        let mut memory = F::Memory::default();
+        let (places, records) = (self.places, &self.records);
+        for (p, temperature) in self.temperature.iter_mut().enumerate() {
+            let support = F::at::<V, false, false>(&mut memory, self.frame, places, records, p);
             let [updated, change, ..] = support.sum::<V>(self.nodes).array();
             *temperature = self.blend * (*temperature + change) + (1.0 - self.blend) * updated;
             *self.watch += *temperature;

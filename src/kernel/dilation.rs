@@ -78,8 +78,9 @@ impl<const D: usize, const ROUND: bool, F: Footprint<D>> Sweep for Part<'_, D, R
     fn run<V: Wide>(self) {
         let Self { places, records, scratch, frame, mapped, dilation, description, .. } = self;
         let len = places.len().min(LANES);
+        let mut memory = F::Memory::default();
         for p in 0..len {
-            let support = F::at::<V>(frame, &places[p], &records, p);
+            let support = F::at::<V, true, false>(&mut memory, frame, places, &records, p);
             let (columns, value) = support.gradient_and_value::<V>(mapped);
             for j in 0..D {
                 columns[j].store(&mut scratch.records[j][p]);
@@ -101,7 +102,7 @@ impl<const D: usize, const ROUND: bool, F: Footprint<D>> Sweep for Part<'_, D, R
             trace.store(&mut scratch.numbers[group]);
         }
         for p in 0..len {
-            let support = F::at::<V>(frame, &places[p], &records, p);
+            let support = F::at::<V, true, false>(&mut memory, frame, places, &records, p);
             let amount = places[p][3] * scratch.numbers[p / 4][p % 4];
             support.add_number(amount, dilation);
         }

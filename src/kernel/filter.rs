@@ -87,8 +87,10 @@ impl<const D: usize, F: Footprint<D>> Sweep for Part<'_, D, F> {
 
     #[inline(always)]
     fn run<V: Wide>(self) {
-        for (p, place) in self.places.iter().enumerate() {
-            let support = F::at::<V>(self.frame, place, &self.records, p);
+        let mut memory = F::Memory::default();
+        let (places, records) = (self.places, &self.records);
+        for (p, place) in places.iter().enumerate() {
+            let support = F::at::<V, false, false>(&mut memory, self.frame, places, records, p);
             let momentum = V::splat(place[3]) * support.sum::<V>(self.from);
             support.add(momentum, self.to);
         }

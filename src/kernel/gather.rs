@@ -8,6 +8,7 @@ use super::support::{Footprint, Records, Support};
 use super::tiles::{Report, Tiles};
 use crate::math::v4::{Sweep, Wide, dispatch, splats};
 use crate::model::grid::Node;
+use crate::model::particles::DOMAIN_RECORDS;
 use crate::transfer::{Transfer, TransferKind};
 use crate::world::World;
 use std::marker::PhantomData;
@@ -49,7 +50,7 @@ impl Gather {
 
 /// Lines 9, 11 and, if asked to, 13 of language.md 7.1, for every particle:
 /// w = sum N v*, a dt = sum N (v* - v), dx = dt w, v <- (1 - alpha) w + alpha (v + a dt), C;
-/// mapped += N m (v + C (x_I - x)).
+/// mapped += N m (v + C (x_I - x)). Free corners of domains: carried <- dt sum N(x_c) v*.
 pub fn sweep(tiles: &mut Tiles, world: &mut World, numbers: Gather) -> Report {
     by_kind!(world.domain.dimension, world.method.shape, sweep_of, tiles, world, numbers)
 }
@@ -63,6 +64,7 @@ fn sweep_of<const D: usize, F: Footprint<D>>(
     let places = if method.total { &particles.reference } else { &particles.position };
     let velocity = Shared::new(&mut particles.velocity);
     let displacement = Shared::new(&mut particles.displacement);
+    let carried = particles.carried.each_mut().map(|record| Shared::new(record));
     let mut columns = particles.matrix.iter_mut();
     let matrix: [Shared<'_, [f64; 4]>; 3] =
         std::array::from_fn(|_| Shared::new(columns.next().map_or(&mut [], |c| c)));
@@ -70,7 +72,7 @@ fn sweep_of<const D: usize, F: Footprint<D>>(
     let nodes = &grid.nodes;
     let arrays: &[&dyn NodeArray] = if numbers.scatter { &[&mapped] } else { &[] };
     tiles.sweep_into(arrays, |tile, report| {
-        let range = tile.range;
+        let (range, start) = (tile.range.clone(), tile.range.start);
         // SAFETY: the ranges of the tiles do not overlap, so each particle has one writer.
         let (velocity, displacement, matrix) = unsafe {
             let columns =
@@ -85,6 +87,8 @@ fn sweep_of<const D: usize, F: Footprint<D>>(
             places: &places[range],
             velocity,
             displacement,
+            carried: &carried,
+            start,
             matrix,
             nodes,
             mapped,
@@ -101,6 +105,10 @@ struct Part<'a, const D: usize, F> {
     records: Records<'a>,
     velocity: &'a mut [[f64; 4]],
     displacement: &'a mut [[f64; 4]],
+    /// How far free corners of all particles move, if they do.
+    carried: &'a [Shared<'a, [f64; 4]>; DOMAIN_RECORDS],
+    /// First of the particles.
+    start: usize,
     matrix: [&'a mut [[f64; 4]]; 3],
     nodes: &'a [Node],
     mapped: Shared<'a, [f64; 4]>,
@@ -127,20 +135,36 @@ impl<const D: usize, F: Footprint<D>> Sweep for Part<'_, D, F> {
 impl<const D: usize, F: Footprint<D>> Part<'_, D, F> {
     #[inline(always)]
     fn particles<V: Wide, const SCATTER: bool, const AFFINE: bool>(self) {
-        let Self { places, records, velocity, displacement, matrix, nodes, mapped, frame, .. } =
-            self;
-        let Gather { velocity: mix, own_path, .. } = self.numbers;
+        let Self { places, records, velocity, displacement, matrix, nodes, mapped, .. } = self;
+        let (frame, carried, start) = (self.frame, self.carried, self.start);
+        let Gather { dt, velocity: mix, own_path, .. } = self.numbers;
         // One check of a stencil's bounds then serves both arrays.
         assert_eq!(nodes.len(), mapped.len());
         let [grid, old, change] = splats::<V, 3>([mix.grid, mix.old, mix.change]);
         let [along_grid, own]: [V; 2] =
             splats(if own_path { [0.0, self.numbers.dt] } else { [self.numbers.dt, 0.0] });
         let (mut farthest, mut watch) = (V::splat(0.0), V::splat(0.0));
-        let particles = places.iter().zip(velocity).zip(displacement).enumerate();
-        for (p, ((place, velocity), displacement)) in particles {
-            let support = F::at::<V>(&frame, place, &records, p);
+        let mut memory = F::Memory::default();
+        // Slices of one length: the loop needs no further checks.
+        let len = places.len();
+        let (velocity, displacement) = (&mut velocity[..len], &mut displacement[..len]);
+        for p in 0..len {
+            let (place, velocity, displacement) =
+                (&places[p], &mut velocity[p], &mut displacement[p]);
+            // Corners are asked for where they are free, and only there.
+            let support = F::at::<V, AFFINE, true>(&mut memory, &frame, places, &records, p);
             let steep = if AFFINE { F::affine::<V>(support) } else { support };
             let seen = support.gather::<V, AFFINE>(&steep, nodes);
+            if F::FREE && !carried[0].is_empty() {
+                let mut velocities = [[0.0; 4]; DOMAIN_RECORDS];
+                support.carry::<V>(nodes, &mut velocities);
+                let here = start + p;
+                for c in 0..F::RECORDS {
+                    // SAFETY: the ranges of the tiles do not overlap.
+                    let carried = unsafe { &mut carried[c].part(here..here + 1)[0] };
+                    (V::splat(dt) * V::load(&velocities[c])).store(carried);
+                }
+            }
             let before = V::load(velocity);
             let new = old.mul_add(before, grid.mul_add(seen.w, change * seen.a));
             new.with_last(before).store(velocity);
@@ -219,8 +243,10 @@ impl<const D: usize, F: Footprint<D>> Sweep for Second<'_, D, F> {
 impl<const D: usize, F: Footprint<D>> Second<'_, D, F> {
     #[inline(always)]
     fn particles<V: Wide, const AFFINE: bool>(self) {
-        for (p, (place, velocity)) in self.places.iter().zip(self.velocity).enumerate() {
-            let support = F::at::<V>(&self.frame, place, &self.records, p);
+        let mut memory = F::Memory::default();
+        let (places, records) = (self.places, &self.records);
+        for (p, (place, velocity)) in places.iter().zip(self.velocity).enumerate() {
+            let support = F::at::<V, AFFINE, false>(&mut memory, &self.frame, places, records, p);
             let mass = V::splat(place[3]);
             let mut spread = [V::splat(0.0); D];
             if AFFINE {

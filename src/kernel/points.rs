@@ -13,8 +13,8 @@ use super::tiles::{Report, Tile, Tiles};
 use crate::material::kinematics::thinnest;
 use crate::material::state::copy;
 use crate::material::{Description, GROUPS, LANES, NOTHING};
-use crate::math::v4::{Plain, Sweep, Wide, dispatch};
-use crate::math::wide::in_space;
+use crate::math::v4::{Plain, Sweep, Wide, dispatch, splats};
+use crate::math::wide::{in_space, rotation};
 use crate::model::column::{COLUMNS, Column, ColumnSet};
 use crate::model::grid::Node;
 use crate::model::ledger::Share;
@@ -192,13 +192,13 @@ impl<const D: usize, const ROUND: bool, F: Footprint<D>> Sweep for Part<'_, D, R
             self.update::<V>();
             self.store::<V>(set);
             if F::RECORDS > 0 && self.seen.description != Description::Total {
-                self.stretch_domains();
+                self.stretch_domains::<V>();
             }
         }
         if advance {
             self.advance::<V>();
             if F::RECORDS > 0 && self.seen.description != Description::Total {
-                self.advance_domains();
+                self.advance_domains::<V>();
             }
         }
         if force {
@@ -277,8 +277,9 @@ impl<'a, const D: usize, const ROUND: bool, F: Footprint<D>> Part<'a, D, ROUND, 
         let domains = self.domains();
         let Scratch { records, numbers, .. } = &mut *self.scratch;
         let len = places.len().min(LANES);
+        let mut memory = F::Memory::default();
         for p in 0..len {
-            let mut support = F::at::<V>(&frame, &places[p], &domains, p);
+            let mut support = F::at::<V, true, false>(&mut memory, &frame, places, &domains, p);
             if MOMENTS {
                 support = F::affine::<V>(support);
             }
@@ -377,8 +378,9 @@ impl<'a, const D: usize, const ROUND: bool, F: Footprint<D>> Part<'a, D, ROUND, 
         // The lanes that fill up the last group must have no gradient afterwards either: the largest
         // rate is taken over all of them.
         self.scratch.numbers.as_flattened_mut()[len..].fill(0.0);
+        let mut memory = F::Memory::default();
         for p in 0..len {
-            let support = F::at::<V>(&frame, &places[p], &domains, p);
+            let support = F::at::<V, false, false>(&mut memory, &frame, places, &domains, p);
             self.scratch.numbers[p / 4][p % 4] = support.sum_of_numbers(self.seen.dilation);
         }
         match ROUND {
@@ -444,65 +446,135 @@ impl<'a, const D: usize, const ROUND: bool, F: Footprint<D>> Part<'a, D, ROUND, 
 
     /// What domains that follow the material change by: half edges by dt L r, half sizes to l U_ii, at
     /// most h/2.
-    fn stretch_domains(&mut self) {
-        let (dt, range) = (self.points.dt, self.range.clone());
-        let Scratch { state, gradient, .. } = &*self.scratch;
+    #[inline(always)]
+    fn stretch_domains<V: Wide>(&mut self) {
+        let range = self.range.clone();
         let lent = self.lent;
-        let records = lent.domain[..F::RECORDS].iter().zip(&lent.carried);
         match self.seen.shape {
             ShapeKind::Corners(DomainKind::Parallel) => {
-                for (record, carried) in records {
+                for number in 0..F::RECORDS.min(D) {
                     // SAFETY: as in `places`.
-                    let (edges, changes) =
-                        unsafe { (record.part(range.clone()), carried.part(range.clone())) };
-                    for (p, (edge, change)) in edges.iter().zip(changes).enumerate().take(LANES) {
-                        *change = domains::stretch::<D>(edge, gradient, dt, p);
-                    }
+                    let (edges, changes) = unsafe {
+                        (
+                            lent.domain[number].part(range.clone()),
+                            lent.carried[number].part(range.clone()),
+                        )
+                    };
+                    self.stretch_edges::<V>(edges, changes);
                 }
             }
             ShapeKind::StretchedGimp => {
                 // SAFETY: as in `places`.
                 let (sizes, changes) =
                     unsafe { (lent.domain[0].part(range.clone()), lent.carried[0].part(range)) };
-                let most = 0.5 * self.frame.spacing;
-                for (p, (half, change)) in sizes.iter().zip(changes).enumerate().take(LANES) {
-                    let new = domains::half_sizes(half[3], &state.deformation(p), most);
-                    for axis in 0..3 {
-                        change[axis] = new[axis] - half[axis];
-                    }
-                }
+                self.stretch_boxes::<V>(sizes, changes);
             }
             _ => {}
         }
     }
 
-    /// Domains change with the places of their particles; then how far corners reach.
-    fn advance_domains(&mut self) {
-        let range = self.range.clone();
-        for (record, carried) in self.lent.domain[..F::RECORDS].iter().zip(&self.lent.carried) {
-            if carried.is_empty() {
-                return;
+    /// changes <- dt L r for the half edges r.
+    #[inline(always)]
+    fn stretch_edges<V: Wide>(&self, edges: &[[f64; 4]], changes: &mut [[f64; 4]]) {
+        let (dt, gradient) = (V::splat(self.points.dt), &self.scratch.gradient);
+        let (groups, zero) = (edges.chunks(4).zip(changes.chunks_mut(4)), V::splat(0.0));
+        for (group, (edges, changes)) in groups.enumerate().take(GROUPS) {
+            let mut columns = [[zero; 4]; D];
+            for j in 0..D {
+                let mut rows = [zero; 4];
+                for i in 0..D {
+                    rows[i] = dt * V::load(&gradient[3 * i + j][group]);
+                }
+                columns[j] = V::transpose(rows);
             }
-            // SAFETY: as in `places`.
-            let (records, changes) =
-                unsafe { (record.part(range.clone()), carried.part(range.clone())) };
-            for (record, change) in records.iter_mut().zip(changes) {
-                for (entry, change) in record.iter_mut().zip(change) {
-                    *entry += *change;
+            for (lane, (edge, change)) in edges.iter().zip(changes).enumerate().take(4) {
+                let mut sum = V::splat(edge[0]) * columns[0][lane];
+                for j in 1..D {
+                    sum = V::splat(edge[j]).mul_add(columns[j][lane], sum);
+                }
+                sum.store(change);
+            }
+        }
+    }
+
+    /// changes <- l U_ii - l_i, with U = R^T F and l U_ii at most h/2; the records hold l_i and l.
+    #[inline(always)]
+    fn stretch_boxes<V: Wide>(&self, sizes: &[[f64; 4]], changes: &mut [[f64; 4]]) {
+        let [zero, one, most]: [V; 3] = splats([0.0, 1.0, 0.5 * self.frame.spacing]);
+        let groups = sizes.chunks(4).zip(changes.chunks_mut(4)).enumerate().take(GROUPS);
+        for (group, (sizes, changes)) in groups {
+            let deformation = self.scratch.state.deformation_of_four::<V>(group);
+            let turn = rotation::<V, D>(&deformation);
+            let mut stretch = [one; 4];
+            for axis in 0..D {
+                stretch[axis] = zero;
+                for k in 0..D {
+                    let entry = 3 * k + axis;
+                    stretch[axis] = turn[entry].mul_add(deformation[entry], stretch[axis]);
                 }
             }
+            let stretch = V::transpose(stretch);
+            for (lane, (size, change)) in sizes.iter().zip(changes).enumerate().take(4) {
+                let new = (V::splat(size[3]) * stretch[lane]).smaller(most);
+                (new - V::load(size)).with_last(zero).store(change);
+            }
         }
-        if !matches!(self.seen.shape, ShapeKind::Corners(_)) {
+    }
+
+    /// Domains change with the places of their particles; then how far corners reach.
+    #[inline(always)]
+    fn advance_domains<V: Wide>(&mut self) {
+        let (range, lent) = (self.range.clone(), self.lent);
+        if lent.carried[0].is_empty() || (F::FREE && self.solid.rigid) {
             return;
         }
+        let displacement = &self.seen.displacement[range.clone()];
+        for number in 0..F::RECORDS {
+            // SAFETY: as in `places`.
+            let (records, changes) = unsafe {
+                (lent.domain[number].part(range.clone()), lent.carried[number].part(range.clone()))
+            };
+            for ((record, change), dx) in records.iter_mut().zip(changes).zip(displacement) {
+                let mut change = V::load(change);
+                if F::FREE {
+                    // Free corners were carried by the grid, their particle by dx.
+                    change = change - V::load(dx);
+                }
+                let old = V::load(record);
+                (old + change).with_last(old).store(record);
+            }
+        }
+        if matches!(self.seen.shape, ShapeKind::Corners(_)) {
+            self.measure_domains::<V>();
+        }
+    }
+
+    /// How far the corners of domains reach, and whether any must be moved.
+    #[inline(always)]
+    fn measure_domains<V: Wide>(&mut self) {
         let (records, places) = (self.domains(), self.places());
-        let inverse = self.frame.inverse_spacing;
-        for p in 0..range.len() {
-            let extent = domains::extent(&records, self.seen.shape, p);
-            let reach = inverse * extent.into_iter().fold(0.0, f64::max);
-            self.report.reach = self.report.reach.max(reach);
-            let cut = self.frame.cuts(&places[p], extent, D);
-            self.report.cut = self.report.cut.or(cut.then_some(range.start + p));
+        let len = places.len();
+        let (mut least, mut largest) = (V::splat(f64::INFINITY), V::splat(f64::NEG_INFINITY));
+        let mut widest = V::splat(0.0);
+        for p in 0..len {
+            let mut extent = V::load(&records[0][p]).absolute();
+            for number in 1..F::RECORDS {
+                let size = V::load(&records[number][p]).absolute();
+                extent = if F::FREE { extent.larger(size) } else { extent + size };
+            }
+            let place = V::load(&places[p]);
+            (least, largest) = (least.smaller(place - extent), largest.larger(place + extent));
+            widest = widest.larger(extent);
+        }
+        let [x, y, z, _] = widest.array();
+        self.report.reach = self.report.reach.max(self.frame.inverse_spacing * x.max(y).max(z));
+        if !self.frame.holds(least, largest, widest) {
+            let cut = |p: &usize| {
+                let extent = domains::extent(&records, self.seen.shape, *p);
+                self.frame.cuts(&places[*p], extent, D)
+            };
+            let cut = (0..len).find(cut).map(|p| self.range.start + p);
+            self.report.cut = self.report.cut.or(cut);
         }
     }
 
@@ -524,9 +596,10 @@ impl<'a, const D: usize, const ROUND: bool, F: Footprint<D>> Part<'a, D, ROUND, 
         let len = self.range.len().min(LANES);
         let (places, domains) = (&self.places()[..len], self.domains());
         let velocity = &self.seen.velocity[self.range.clone()][..len];
+        let mut memory = F::Memory::default();
         for p in 0..len {
             let (place, v) = (&places[p], &velocity[p]);
-            let mut support = F::at::<V>(&frame, place, &domains, p);
+            let mut support = F::at::<V, true, false>(&mut memory, &frame, places, &domains, p);
             let mass = V::splat(if carried { 0.0 } else { place[3] });
             let mut parcel = Parcel {
                 motion: mass * V::load(v).with_last(V::splat(1.0)),

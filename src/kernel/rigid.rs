@@ -40,12 +40,13 @@ fn flag_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut World
     let nodes = Shared::new(&mut grid.rigid);
     let records = F::part(&particles.domain, 0..particles.len());
     tiles.sweep_into(&[&nodes], |tile, _| {
+        let (frame, places, mut memory) = (tile.frame, &particles.position, F::Memory::default());
         for range in of_one_solid(tile.range, &particles.solid) {
             if !solids[particles.solid[range.start] as usize].rigid {
                 continue;
             }
             for p in range {
-                let support = F::at::<Plain>(tile.frame, &particles.position[p], &records, p);
+                let support = F::at::<Plain, false, false>(&mut memory, frame, places, &records, p);
                 let [x, y, z, volume] = particles.velocity[p];
                 let amount = [x, y, z, 1.0].map(|part| volume * part);
                 support.add(Plain::load(&amount), nodes);
@@ -117,7 +118,8 @@ fn react_of<const D: usize, F: Footprint<D>>(frames: &[Frame], world: &mut World
     let gather = |(reaction, p): (&mut [f64; 4], &u32)| {
         let p = *p as usize;
         let frame = &frames[solids[solid[p] as usize].lattice];
-        let support = F::at::<Plain>(frame, &position[p], &records, p);
+        let mut memory = F::Memory::default();
+        let support = F::at::<Plain, false, false>(&mut memory, frame, position, &records, p);
         *reaction = support.sum::<Plain>(mapped).array().map(|sum| velocity[p][3] * sum);
     };
     if rigid.particles.len() >= SMALLEST_PARALLEL {

@@ -34,12 +34,14 @@ fn external_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut W
     let force = [Column::Bx, Column::By, Column::Bz].map(|column| particles.column(column));
     let records = F::part(&particles.domain, 0..particles.len());
     tiles.sweep_into(&[&nodes, &external], |tile, _| {
+        let mut memory = F::Memory::default();
         for p in tile.range {
             if solids[particles.solid[p] as usize].rigid {
                 continue;
             }
             let force: [f64; 3] = force.map(|column| column.get(p).copied().unwrap_or(0.0));
-            let support = F::at::<Plain>(tile.frame, &places[p], &records, p);
+            let support =
+                F::at::<Plain, false, false>(&mut memory, tile.frame, places, &records, p);
             support.each(|node, weight| {
                 let share: [f64; 3] = force.map(|force| weight * force);
                 // SAFETY: tiles of one colour share no node (see `tiles`).

@@ -187,15 +187,8 @@ impl Sorter {
         }
         let walls = (!total).then_some(&world.domain);
         tiles.frames.clear();
-        let count = match shape {
-            ShapeKind::Corners(kind) => kind.corners(world.domain.dimension),
-            _ => 0,
-        };
         let reach = tiles.corners;
         tiles.frames.extend(world.grid.lattices.iter().map(|l| Frame::new(l, walls, reach)));
-        for frame in &mut tiles.frames {
-            frame.count = count;
-        }
         world.grid.gather_groups(&world.groups);
         let World { particles, solids, rigid, .. } = world;
         if solids.iter().any(|solid| solid.rigid) {

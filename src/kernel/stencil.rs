@@ -4,7 +4,7 @@ use super::shared::{Rows, RowsMut, Shared};
 use crate::math::v4::Wide;
 use crate::model::domain::Domain;
 use crate::model::lattice::Lattice;
-use crate::shape::{EDGE, Linear, Shape, Weights, gimp};
+use crate::shape::{EDGE, Shape, Weights, gimp};
 
 /// What a kernel must know of a lattice to find the nodes of a particle.
 #[derive(Clone, Copy, Debug)]
@@ -21,8 +21,6 @@ pub struct Frame {
     upper: [f64; 4],
     /// How far the corners of a particle's domain may lie from it \[L\].
     pub reach: f64,
-    /// Number of corners of the domain of a particle; 0 without domains.
-    pub count: usize,
     /// Last node per axis of the whole lattice; 1 beyond the dimension.
     last: [f64; 4],
     /// Place in memory that node 0 of the whole lattice would have.
@@ -50,7 +48,6 @@ impl Frame {
                 false => 1.5 * lattice.spacing,
             }),
             reach: reach as f64 * lattice.cells.cell,
-            count: 0,
             inverse_spacing: 1.0 / lattice.spacing,
             spacing: lattice.spacing,
             walls: match walls {
@@ -96,19 +93,43 @@ impl Frame {
         self.stencil_of::<V, D, 3>(gimp::weights(r, half, V::load(&self.last)))
     }
 
-    /// The hats around a corner of a particle's domain, which must lie in the lattice.
+    /// Lower end of the lattice along an axis \[L\].
     #[inline(always)]
-    pub fn around<V: Wide, const D: usize>(&self, corner: V) -> Stencil<D, 2> {
-        self.stencil::<V, D, 2, Linear>(corner)
+    pub fn lower(&self, axis: usize) -> f64 {
+        self.lower[axis]
     }
 
-    /// A corner of the domain of a particle, or where the particle's tile and the lattice end on the
-    /// way to it.
+    /// Number of the last node along an axis.
     #[inline(always)]
-    pub fn corner<V: Wide>(&self, position: V, offset: V) -> V {
-        let reach = V::splat(self.reach);
-        let offset = offset.smaller(reach).larger(V::splat(0.0) - reach);
-        (position + offset).larger(V::load(&self.lower)).smaller(V::load(&self.upper))
+    pub fn last(&self, axis: usize) -> f64 {
+        self.last[axis]
+    }
+
+    /// How far the corners of a particle's domain may lie from it, in node spacings.
+    #[inline(always)]
+    pub fn reach_in_spacings(&self) -> f64 {
+        self.reach * self.inverse_spacing
+    }
+
+    /// Step in memory from one node to the next along the outer axes.
+    #[inline(always)]
+    pub fn stride(&self) -> [usize; 2] {
+        self.stride
+    }
+
+    /// Places in memory of four nodes with such numbers along each axis; nodes outside the window
+    /// give places beyond its memory.
+    #[inline(always)]
+    pub fn nodes_at<V: Wide, const D: usize>(&self, numbers: &[V; D]) -> [usize; 4] {
+        let mut sum = numbers[D - 1] + V::splat(SHIFT);
+        for axis in 0..D - 1 {
+            sum = numbers[axis].mul_add(V::splat(self.stride[axis] as f64), sum);
+        }
+        let mut places = [self.origin; 4];
+        for (place, sum) in places.iter_mut().zip(sum.array()) {
+            *place = place.wrapping_add(low_bits(sum));
+        }
+        places
     }
 
     /// Can corners of a particle's domain lie beyond the lattice or its tile, being so far away from
@@ -118,6 +139,17 @@ impl Frame {
             let (low, high) = (place[axis] - extent[axis], place[axis] + extent[axis]);
             low < self.lower[axis] || high > self.upper[axis] || extent[axis] > self.reach
         })
+    }
+
+    /// Do domains with these least and largest places of corners, whose farthest lie `widest` away from
+    /// their particles, all keep within the lattice and their tile?
+    #[inline(always)]
+    pub fn holds<V: Wide>(&self, least: V, largest: V, widest: V) -> bool {
+        let (lower, upper) = (V::load(&self.lower), V::load(&self.upper));
+        let reach = V::splat(self.reach);
+        least.inside(lower, upper)
+            && largest.inside(lower, upper)
+            && widest.inside(V::splat(0.0), reach)
     }
 
     /// Distance from node 0 in node spacings.
@@ -174,6 +206,24 @@ impl<const D: usize, const W: usize> Stencil<D, W> {
 
     /// The axis across the rows of a plane (without meaning in one dimension).
     pub const ACROSS: usize = if D == 3 { 1 } else { 0 };
+
+    /// The hats of the nodes around a place that lies `fraction` after the first of them, which is at
+    /// `base`; the particle lies `offset` after it, in node spacings.
+    #[inline(always)]
+    pub fn of_hats(base: usize, stride: [usize; 2], fraction: [f64; D], offset: [f64; D]) -> Self {
+        let mut axes = Weights {
+            first: [0.0; 4],
+            offset: [0.0; 4],
+            value: [[0.0; 4]; W],
+            slope: [[0.0; 4]; W],
+        };
+        for axis in 0..D {
+            axes.offset[axis] = offset[axis];
+            (axes.value[0][axis], axes.value[1][axis]) = (1.0 - fraction[axis], fraction[axis]);
+            (axes.slope[0][axis], axes.slope[1][axis]) = (-1.0, 1.0);
+        }
+        Self { base, stride, axes }
+    }
 
     /// N of node `k` of an axis.
     #[inline(always)]
@@ -286,7 +336,7 @@ mod tests {
     use super::*;
     use crate::math::v4::Plain;
     use crate::model::lattice::Window;
-    use crate::shape::{Cubic, Quadratic};
+    use crate::shape::{Cubic, Linear, Quadratic};
 
     fn reproduces<const W: usize, S: Shape<W>>(place: [f64; 3]) {
         let cells = Domain { dimension: 3, lower: [-1.0; 3], upper: [1.0, 2.0, 3.0], cell: 0.5 };

@@ -26,19 +26,28 @@ pub trait Footprint<const D: usize>: Sync {
     /// Affine fields are fitted with moments of the weights in place of gradients.
     const MOMENTS: bool = false;
 
-    /// The nodes of one particle with their weights.
-    type Support: Support<D>;
+    /// The domains have corners that the grid carries along, each for itself.
+    const FREE: bool = false;
 
-    /// The support of particle `p` of some particles.
-    fn at<V: Wide>(
+    /// Memory for weights of particles that are found together. It must not outlive a change of
+    /// places or records.
+    type Memory: Default;
+
+    /// The nodes of one particle with their weights.
+    type Support<'a>: Support<D>;
+
+    /// The support of particle `p` of some particles, which lie at `places`. Only if `SLOPES` it has
+    /// gradients, only if `CORNERS` it can say how free corners move.
+    fn at<'a, V: Wide, const SLOPES: bool, const CORNERS: bool>(
+        memory: &'a mut Self::Memory,
         frame: &Frame,
-        place: &[f64; 4],
+        places: &[[f64; 4]],
         records: &Records<'_>,
         p: usize,
-    ) -> Self::Support;
+    ) -> Self::Support<'a>;
 
     /// The same nodes with weights in place of gradients that fit affine fields.
-    fn affine<V: Wide>(support: Self::Support) -> Self::Support {
+    fn affine<V: Wide>(support: Self::Support<'_>) -> Self::Support<'_> {
         support
     }
 
@@ -70,6 +79,9 @@ pub struct Gathered<V, const D: usize> {
 pub trait Support<const D: usize>: Copy {
     /// sum N v*, sum N (v* - v) and, if asked to, sum v* (x) grad N with the gradients of `steep`.
     fn gather<V: Wide, const AFFINE: bool>(&self, steep: &Self, nodes: &[Node]) -> Gathered<V, D>;
+
+    /// The velocity of each free corner, sum N(x_c) v*.
+    fn carry<V: Wide>(&self, _nodes: &[Node], _velocities: &mut [[f64; 4]]) {}
 
     /// mapped += N m (v + C (x_I - x)); `spread` is m C h, column by column.
     fn scatter_momentum<V: Wide, const AFFINE: bool>(
@@ -126,16 +138,19 @@ pub struct Boxed;
 impl<const D: usize> Footprint<D> for Boxed {
     const RECORDS: usize = 1;
 
-    type Support = Stencil<D, 3>;
+    type Memory = ();
+
+    type Support<'a> = Stencil<D, 3>;
 
     #[inline(always)]
-    fn at<V: Wide>(
+    fn at<'a, V: Wide, const SLOPES: bool, const CORNERS: bool>(
+        (): &'a mut (),
         frame: &Frame,
-        place: &[f64; 4],
+        places: &[[f64; 4]],
         records: &Records<'_>,
         p: usize,
-    ) -> Self::Support {
-        frame.boxed::<V, D>(V::load(place), V::load(&records[0][p]))
+    ) -> Self::Support<'a> {
+        frame.boxed::<V, D>(V::load(&places[p]), V::load(&records[0][p]))
     }
 }
 
@@ -147,15 +162,23 @@ impl<const D: usize, const W: usize, S: Shape<W> + Sync> Footprint<D> for Tensor
 
     const MOMENTS: bool = S::MOMENTS;
 
-    type Support = Stencil<D, W>;
+    type Memory = ();
+
+    type Support<'a> = Stencil<D, W>;
 
     #[inline(always)]
-    fn at<V: Wide>(frame: &Frame, place: &[f64; 4], _: &Records<'_>, _: usize) -> Self::Support {
-        frame.stencil::<V, D, W, S>(V::load(place))
+    fn at<'a, V: Wide, const SLOPES: bool, const CORNERS: bool>(
+        (): &'a mut (),
+        frame: &Frame,
+        places: &[[f64; 4]],
+        _: &Records<'_>,
+        p: usize,
+    ) -> Self::Support<'a> {
+        frame.stencil::<V, D, W, S>(V::load(&places[p]))
     }
 
     #[inline(always)]
-    fn affine<V: Wide>(support: Self::Support) -> Self::Support {
+    fn affine<V: Wide>(support: Self::Support<'_>) -> Self::Support<'_> {
         support.affine::<V, S>()
     }
 }

@@ -88,17 +88,17 @@ fn outward_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut Wo
     let (coupled, outward) = (&grid.coupled, Shared::new(&mut grid.outward));
     let records = F::part(&particles.domain, 0..particles.len());
     tiles.sweep_into(&[&outward], |tile, _| {
+        let (frame, places, mut memory) = (tile.frame, &particles.position, F::Memory::default());
         for range in of_one_solid(tile.range, &particles.solid) {
             let rigid = solids[particles.solid[range.start] as usize].rigid;
             for p in range {
-                let place = particles.position[p];
-                let support = F::at::<Plain>(tile.frame, &place, &records, p);
+                let support = F::at::<Plain, true, false>(&mut memory, frame, places, &records, p);
                 let mut met = false;
                 support.each(|node, _| met |= coupled[node] != 0);
                 if !met {
                     continue;
                 }
-                let [x, y, z, mass] = place;
+                let [x, y, z, mass] = places[p];
                 let weight = if rigid { particles.velocity[p][3] } else { mass };
                 let weight = weight / method.girth([x, y, z]);
                 support.each_slope(|node, value, [a, b, c], _| {
@@ -164,8 +164,9 @@ fn extents_of<const D: usize, F: Footprint<D>>(tiles: &mut Tiles, world: &mut Wo
     let records = F::part(&particles.domain, 0..particles.len());
     let array = Extents { extents: shared, coupled, couples, most: grid.lattices.len() - 1 };
     tiles.sweep_into(&[&array], |tile, _| {
+        let (frame, places, mut memory) = (tile.frame, &particles.position, F::Memory::default());
         for p in tile.range {
-            let support = F::at::<Plain>(tile.frame, &particles.position[p], &records, p);
+            let support = F::at::<Plain, true, false>(&mut memory, frame, places, &records, p);
             support.each_slope(|node, _, _, away| {
                 let mut next = coupled[node];
                 while next != 0 {
