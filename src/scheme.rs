@@ -549,6 +549,7 @@ impl Parts<'_> {
     /// A particle that leaves the box.
     pub fn advance(&mut self) -> Result<(), Fault> {
         let motion = !self.hooks.any(&[Stage::InitialIntegrate]) && !self.loops.unsorted;
+        grid::displace_updated(&mut self.world.grid, self.clock.dt);
         grid::clear(&mut self.world.grid, self.loops.tiles.parallel);
         self.sweep_points(Points { advance: true, motion, ..self.points() })?;
         self.loops.scattered = motion;

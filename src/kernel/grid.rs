@@ -175,12 +175,27 @@ pub fn hold_mapped_axis(grid: &mut Grid) {
 
 /// u += dt v of the nodes (line 14, total Lagrangian), where something reads it.
 pub fn displace(grid: &mut Grid, dt: f64) {
-    if grid.displaced.is_empty() {
+    let Grid { mapped, displaced, runs, .. } = grid;
+    displace_by(displaced, runs, dt, |node| mapped[node]);
+}
+
+/// u += dt v* for schemes that keep no velocities of the end of the step.
+pub fn displace_updated(grid: &mut Grid, dt: f64) {
+    let Grid { nodes, displaced, runs, .. } = grid;
+    displace_by(displaced, runs, dt, |node| nodes[node].motion);
+}
+
+fn displace_by(
+    displaced: &mut [[f64; 4]],
+    runs: &[Range<usize>],
+    dt: f64,
+    velocity: impl Fn(usize) -> [f64; 4],
+) {
+    if displaced.is_empty() {
         return;
     }
-    let Grid { mapped, displaced, runs, .. } = grid;
     for node in runs.iter().cloned().flatten() {
-        for (u, v) in displaced[node].iter_mut().zip(&mapped[node][..3]) {
+        for (u, v) in displaced[node].iter_mut().zip(&velocity(node)[..3]) {
             *u += dt * v;
         }
     }
