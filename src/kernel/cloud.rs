@@ -241,6 +241,7 @@ impl<const D: usize, const C: usize, const N: usize> Clouds<D, C, N> {
         for k in 0..D {
             let (mut low, mut high) = (shapes.arms[0][k], shapes.arms[0][k]);
             if FREE {
+                sum = sum + low;
                 for c in 1..C {
                     let arm = shapes.arms[c][k];
                     (low, high, sum) = (low.smaller(arm), high.larger(arm), sum + arm);
@@ -260,7 +261,8 @@ impl<const D: usize, const C: usize, const N: usize> Clouds<D, C, N> {
             (shapes.place[k] - first).store(&mut self.patches.offset[k]);
             firsts[k] = first;
         }
-        (excess + (sum - sum)).store(&mut self.excess);
+        // Nothing is added, but what is not a number stays none.
+        zero.mul_add(sum, excess).store(&mut self.excess);
         self.patches.stride = frame.stride();
         self.patches.base = frame.nodes_at(&firsts);
         firsts
