@@ -12,7 +12,7 @@ use crate::model::grid::Node;
 
 /// The weights of four particles on `N` = 3^`D` nodes each; the lanes are the particles.
 pub struct Patches<const D: usize, const N: usize> {
-    /// Place in memory of the first node, see [`super::stencil::Frame::place_of`].
+    /// Place in memory of the first node, see [`super::stencil::Frame::nodes_at`].
     pub base: [usize; 4],
     /// Step in memory from one node to the next along the outer axes.
     pub stride: [usize; 2],
