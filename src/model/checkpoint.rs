@@ -152,6 +152,14 @@ impl Checkpoint {
         Self { ranks: ranks.clone(), ..Self::default() }
     }
 
+    /// What has been saved, to load it.
+    ///
+    /// # Errors
+    /// As [`Checkpoint::loading`].
+    pub fn to_load(self) -> Result<Self, String> {
+        Self::loading(self.entries, self.data)
+    }
+
     /// A checkpoint that all processes load together.
     pub fn of_ranks(self, ranks: &Ranks) -> Self {
         Self { ranks: ranks.clone(), ..self }

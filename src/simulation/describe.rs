@@ -213,7 +213,6 @@ impl Simulation {
     /// # Errors
     /// A formula of a fix that is not finite.
     pub fn describe(&mut self, until: &Until, processes: &[usize]) -> Result<String, Fault> {
-        self.ready()?;
         let played = self.world.ranks.is_alone() && !self.world.particles.is_empty();
         let trial = if played { Some(self.trial()) } else { None };
         self.ready()?;

@@ -231,6 +231,7 @@ impl Simulation {
     pub(super) fn remember(&mut self) -> Checkpoint {
         self.disturb();
         let mut checkpoint = Checkpoint::saving(&self.world.ranks);
+        self.captured.prepare(&self.quantities, &self.world);
         self.keep(&mut checkpoint, &mut Sorted::default());
         checkpoint
     }

@@ -81,12 +81,7 @@ impl Simulation {
         self.output(false)?;
         let mut progress = progress;
         while self.goes_on(until, &progress)? {
-            self.choose_step(&progress)?;
-            self.step(&hooks)?;
-            progress.previous = self.next.map(|next| next.dt);
-            (progress.steps, progress.done) = (progress.steps + 1, progress.done + 1);
-            self.advance_clock(&mut progress);
-            self.end_step()?;
+            self.take_step(&hooks, &mut progress)?;
             let last = !self.goes_on(until, &progress)?;
             progress.finished = last && !self.interrupted;
             self.progress = Some(progress);
@@ -96,6 +91,20 @@ impl Simulation {
         self.progress = Some(progress);
         self.note_strain();
         self.end_run(progress.done - begun)
+    }
+
+    /// One step of a run, without what it writes.
+    pub(super) fn take_step(
+        &mut self,
+        hooks: &Hooks,
+        progress: &mut Progress,
+    ) -> Result<(), Fault> {
+        self.choose_step(progress)?;
+        self.step(hooks)?;
+        progress.previous = self.next.map(|next| next.dt);
+        (progress.steps, progress.done) = (progress.steps + 1, progress.done + 1);
+        self.advance_clock(progress);
+        self.end_step()
     }
 
     /// Warnings and figures at the end of a run.
@@ -416,7 +425,7 @@ impl Simulation {
     }
 
     /// Chooses the size of the coming step.
-    pub(super) fn choose_step(&mut self, progress: &Progress) -> Result<(), Fault> {
+    fn choose_step(&mut self, progress: &Progress) -> Result<(), Fault> {
         let mut next = self.next.unwrap_or_else(|| self.stable_now());
         if self.fixed_dt.is_none() {
             if let Some(previous) = progress.previous {
@@ -449,13 +458,13 @@ impl Simulation {
     }
 
     /// One step of the scheme.
-    pub(super) fn step(&mut self, hooks: &Hooks) -> Result<(), Fault> {
+    fn step(&mut self, hooks: &Hooks) -> Result<(), Fault> {
         self.clock.step += 1;
         self.scheme.step(&mut self.parts(hooks))
     }
 
     /// t <- t + dt; with `set_dt` t = t_start + k dt; the last step lands on the end.
-    pub(super) fn advance_clock(&mut self, progress: &mut Progress) {
+    fn advance_clock(&mut self, progress: &mut Progress) {
         let time = match self.fixed_dt {
             Some(dt) => progress.start + progress.steps as f64 * dt,
             None => self.clock.end(),

@@ -3,7 +3,6 @@
 use super::Simulation;
 use super::progress::Progress;
 use crate::fault::Fault;
-use crate::model::checkpoint::Checkpoint;
 use std::time::Instant;
 
 /// Most steps of a trial, and the seconds after which no other one begins.
@@ -31,8 +30,7 @@ impl Simulation {
     pub fn trial(&mut self) -> Result<Trial, Fault> {
         let checkpoint = self.remember();
         let trial = self.play_some_steps();
-        let (entries, data) = (checkpoint.entries().to_vec(), checkpoint.data().to_vec());
-        let back = Checkpoint::loading(entries, data).and_then(|saved| self.restore(saved));
+        let back = checkpoint.to_load().and_then(|saved| self.restore(saved));
         back.map_err(|reason| Fault::run(format!("the state does not come back: {reason}")))?;
         trial
     }
@@ -44,12 +42,7 @@ impl Simulation {
         let mut counts = self.loops.tiles.counts;
         let mut steps = 0;
         for step in 0..=STEPS {
-            self.choose_step(&progress)?;
-            self.step(&hooks)?;
-            progress.previous = self.next.map(|next| next.dt);
-            (progress.steps, progress.done) = (progress.steps + 1, progress.done + 1);
-            self.advance_clock(&mut progress);
-            self.end_step()?;
+            self.take_step(&hooks, &mut progress)?;
             if step == 0 {
                 // The first one finds cold caches.
                 (start, counts) = (Instant::now(), self.loops.tiles.counts);
