@@ -47,10 +47,8 @@ impl Scene<'_> {
     fn tile(&self, particles: &Particles, p: usize) -> (usize, [usize; 2]) {
         let lattice = self.solids[particles.solid[p] as usize].lattice;
         let order = &self.orders[lattice];
-        let cell = match self.cells {
-            Some(cells) => cells[p].map(|cell| cell as usize),
-            None => order.cell_of(&self.lattices[lattice].cells, particles.places(self.total)[p]),
-        };
+        let (cells, places) = (&self.lattices[lattice].cells, particles.places(self.total));
+        let cell = order.sorted_cell(cells, places, self.cells, p);
         (lattice, order.tile_of(cell))
     }
 }

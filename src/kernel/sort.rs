@@ -81,16 +81,9 @@ impl Places<'_> {
         self.solids[self.particles.solid[p] as usize].lattice
     }
 
-    fn of(&self, p: usize) -> [f64; 4] {
-        self.particles.places(self.total)[p]
-    }
-
     /// The cell that a particle is sorted by.
     fn cell(&self, order: &Order, lattice: &Lattice, p: usize) -> [usize; 3] {
-        match self.cells {
-            Some(cells) => cells[p].map(|cell| cell as usize),
-            None => order.cell_of(&lattice.cells, self.of(p)),
-        }
+        order.sorted_cell(&lattice.cells, self.particles.places(self.total), self.cells, p)
     }
 }
 

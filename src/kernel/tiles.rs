@@ -354,6 +354,20 @@ impl Order {
             (r as usize).min(self.cells[axis] - 1)
         })
     }
+
+    /// The cell that a particle is sorted by: that of an earlier sort, if one is to be brought back.
+    pub fn sorted_cell(
+        &self,
+        domain: &Domain,
+        places: &[[f64; 4]],
+        earlier: Option<&[[u32; 3]]>,
+        p: usize,
+    ) -> [usize; 3] {
+        match earlier {
+            Some(cells) => cells[p].map(|cell| cell as usize),
+            None => self.cell_of(domain, places[p]),
+        }
+    }
 }
 
 #[cfg(test)]
