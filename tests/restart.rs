@@ -1,9 +1,11 @@
 //! A run that goes on from a restart file gives the bytes of the run that was never stopped.
 
 mod processes;
+mod project;
 
 use assert_cmd::cargo::cargo_bin;
 use processes::program;
+use project::scripts_below;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -378,21 +380,13 @@ fn every_law_fix_and_contact_goes_on_to_the_bit() {
 
 /// The scripts of `inputs`, without the runs and what follows them.
 fn inputs() -> Vec<(PathBuf, String)> {
-    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("inputs")];
-    let mut scripts = Vec::new();
-    while let Some(folder) = folders.pop() {
-        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|suffix| suffix == "mpm") {
-                let text = std::fs::read_to_string(&path).unwrap();
-                let before = text.lines().take_while(|line| !line.trim_start().starts_with("run"));
-                scripts.push((path, before.collect::<Vec<_>>().join("\n")));
-            }
-        }
-    }
-    scripts.sort();
-    scripts
+    let without_runs = |path: PathBuf| {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let before = text.lines().take_while(|line| !line.trim_start().starts_with("run"));
+        let before = before.collect::<Vec<_>>().join("\n");
+        (path, before)
+    };
+    scripts_below("inputs").into_iter().map(without_runs).collect()
 }
 
 #[test]

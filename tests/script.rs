@@ -4,9 +4,12 @@
 //! columns, then the code and the beginning of the message. `KARAMELO_SHOW=1` prints what was
 //! found instead of what was expected.
 
+mod project;
+
 use karamelo::command::play::rehearse;
 use karamelo::script::diagnostic::{Diagnostic, Severity, ordered};
 use karamelo::script::source::Source;
+use project::scripts_below;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -101,26 +104,9 @@ fn good_scripts_are_accepted_with_the_warnings_they_list() {
     check("good");
 }
 
-/// The scripts of `inputs` and of the folders in it.
-fn inputs() -> Vec<PathBuf> {
-    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("inputs")];
-    let mut scripts = Vec::new();
-    while let Some(folder) = folders.pop() {
-        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|suffix| suffix == "mpm") {
-                scripts.push(path);
-            }
-        }
-    }
-    scripts.sort();
-    scripts
-}
-
 #[test]
 fn every_input_is_accepted_without_a_word() {
-    for path in inputs() {
+    for path in scripts_below("inputs") {
         let (_, diagnostics) = rehearsed(&path);
         assert!(diagnostics.is_empty(), "{}: {diagnostics:?}", path.display());
     }
@@ -128,7 +114,7 @@ fn every_input_is_accepted_without_a_word() {
 
 /// Scripts to break: all that are accepted.
 fn seeds() -> Vec<String> {
-    let scripts = inputs().into_iter().chain(fixtures("good"));
+    let scripts = scripts_below("inputs").into_iter().chain(fixtures("good"));
     let texts = scripts.map(|path| std::fs::read_to_string(path).unwrap());
     // Smaller and fewer digits: a mutant with a millionth of the cell size only takes longer.
     texts.filter(|text| text.len() < 3000).collect()

@@ -7,6 +7,8 @@
 mod expressions;
 mod files;
 mod program;
+#[path = "../project/mod.rs"]
+mod project;
 mod random;
 mod scripts;
 

@@ -1,5 +1,6 @@
 //! Scripts: soups of bytes and words, and mutants of every script of the project.
 
+use super::project::scripts_below;
 use super::random::Random;
 use super::{bound_memory, cases};
 use karamelo::command::COMMANDS;
@@ -13,28 +14,11 @@ use karamelo::script::source::Source;
 use karamelo::shape::SHAPES;
 use karamelo::transfer::TRANSFERS;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// A rehearsal that takes longer hangs. The largest body that fits has some ten million places.
 const PATIENCE: Duration = Duration::from_secs(20);
-
-/// The scripts of a folder and of those in it.
-pub fn scripts_below(folder: &str) -> Vec<PathBuf> {
-    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)];
-    let mut scripts = Vec::new();
-    while let Some(folder) = folders.pop() {
-        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|suffix| suffix == "mpm") {
-                scripts.push(path);
-            }
-        }
-    }
-    scripts.sort();
-    scripts
-}
 
 /// A script of the project: its path, which tells where its files are, and its text.
 pub type Seed = (String, String);
