@@ -230,6 +230,18 @@ impl Study {
         chosen.map(|((name, value), _)| format!("{name}={value}")).collect::<Vec<_>>().join(" ")
     }
 
+    /// What varies beside the grid.
+    pub fn varied(&self) -> impl Iterator<Item = &str> {
+        let names = self.names.iter().zip(&self.grids);
+        names.filter(|(_, grid)| !**grid).map(|(name, _)| name.as_str())
+    }
+
+    /// The values of a case, less those of the grid.
+    pub fn setting(&self, case: &Case) -> String {
+        let values = case.values.iter().zip(&self.grids).filter(|(_, grid)| !**grid);
+        values.map(|(value, _)| value.as_str()).collect::<Vec<_>>().join(" ")
+    }
+
     /// The fastest case with an error below the limit.
     pub fn cheapest(&self) -> Option<(&Case, &Measured)> {
         let good = self.done().filter(|(_, measured)| measured.error < self.below);

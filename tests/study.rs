@@ -117,7 +117,11 @@ fn axes_that_are_coupled_keep_the_orders() {
         assert!(expected.contains(&order), "{row:?}");
     }
     let figure = place.read("a.svg");
-    assert!(figure.contains("Pareto front") && figure.contains("method=tlmpm shape=linear"));
+    assert!(
+        figure.contains("Pareto front")
+            && figure.contains("method shape")
+            && figure.contains(">tlmpm linear<")
+    );
 }
 
 /// Mean displacement of the bar at a time, relative to 2/PI v0/omega: sin(omega t) in linear theory. With

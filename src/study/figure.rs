@@ -124,8 +124,6 @@ fn draw(study: &Study, title: &str) -> Canvas {
     let error = if study.relative { "relative error" } else { "error" };
     axes.frame(&mut canvas, [seconds, error]);
     canvas.text([LEFT as f32 + 120.0, TOP as f32 - 12.0], 14.0, Anchor::Start, title);
-    let x = (SIZE[0] - RIGHT + 18.0) as f32;
-    let mut y = TOP as f32 + 12.0;
     front(&mut canvas, study, &axes);
     for (number, curve) in curves.iter().enumerate() {
         let points: Vec<[f32; 2]> =
@@ -133,18 +131,30 @@ fn draw(study: &Study, title: &str) -> Canvas {
         let colour = Colour::of(number);
         canvas.marks.push(Mark::Path { points: points.clone(), width: 1.6, colour });
         dots(&mut canvas, points, number);
-        let first = curve.first().map(|index| study.label(&study.cases[*index], false));
-        let name = first.filter(|name| !name.is_empty()).unwrap_or_else(|| "all".to_string());
-        let segments = vec![[[x, y - 4.0], [x + 24.0, y - 4.0]]];
-        canvas.marks.push(Mark::Lines { segments, width: 1.6, colour });
-        dots(&mut canvas, vec![[x + 12.0, y - 4.0]], number);
-        canvas.text([x + 32.0, y], 12.0, Anchor::Start, name);
-        y += 18.0;
     }
+    legend(&mut canvas, study, &curves);
+    canvas
+}
+
+/// The settings of each curve, below the names of what varies.
+fn legend(canvas: &mut Canvas, study: &Study, curves: &[Vec<usize>]) {
+    let x = (SIZE[0] - RIGHT + 18.0) as f32;
+    let mut y = TOP as f32 + 12.0;
+    let names = study.varied().collect::<Vec<_>>().join(" ");
+    canvas.text([x + 32.0, y], 12.0, Anchor::Start, names);
+    for (number, curve) in curves.iter().enumerate() {
+        y += 18.0;
+        let first = curve.first().map(|index| study.setting(&study.cases[*index]));
+        let name = first.filter(|name| !name.is_empty()).unwrap_or_else(|| "all".to_string());
+        let (segments, colour) = (vec![[[x, y - 4.0], [x + 24.0, y - 4.0]]], Colour::of(number));
+        canvas.marks.push(Mark::Lines { segments, width: 1.6, colour });
+        dots(canvas, vec![[x + 12.0, y - 4.0]], number);
+        canvas.text([x + 32.0, y], 12.0, Anchor::Start, name);
+    }
+    y += 18.0;
     let segments = vec![[[x, y - 4.0], [x + 24.0, y - 4.0]]];
     canvas.marks.push(Mark::Lines { segments, width: 7.0, colour: LIGHT });
     canvas.text([x + 32.0, y], 12.0, Anchor::Start, "Pareto front");
-    canvas
 }
 
 /// A broad grey line below the curves through what nothing beats.
