@@ -26,12 +26,15 @@ fn cell(cells: u32) -> f64 {
 
 /// The right halves of two half cylinders, pressed together by twice the `depth` and damped until they
 /// rest. Particles lie on rings, so that the faces are round, and none on the plane x = 0.
+///
+/// APIC, because damping of nodes does not reach what nodes cannot see: FLIP with alpha = 1 keeps the
+/// stress of the first touch in single particles at the axis (45 % too much there, 10 % too little around).
 fn cylinders(cells: u32, contact: &str, depth: f64) -> Script {
     let text = format!(
         "R = {RADIUS}
 h = {}
 T = 3
-method(ulmpm, FLIP, quadratic-spline, 1)
+method(ulmpm, APIC, quadratic-spline)
 dimension(2, 0, R + 2*h, -R - h, R + h, h)
 region(low, block, 0, INF, -R, 0)
 region(high, block, 0, INF, 0, R)
@@ -120,8 +123,8 @@ fn cylinders_on_a_coarse_grid_touch_as_hertz_says() {
     let played = cylinders(4, "slip, s1, s2", 0.097).play(&[]);
     let [load, peak, width, cells] = compare(&played, 4);
     println!("load {load:.3}: peak {peak:.3}, width {width:.3} of Hertz, {cells:.2} cells off");
-    // V18 asks for 5 % and a cell with h = a/8; four particles across a get the peak within 10 %.
-    assert!((peak - 1.0).abs() < 0.1 && cells < 1.0, "{peak} {cells}");
+    // V18 asks for this with h = a/8.
+    assert!((peak - 1.0).abs() < 0.05 && cells < 1.0, "{peak} {cells}");
 }
 
 #[test]
