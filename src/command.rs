@@ -226,7 +226,12 @@ of volume r dr dtheta (dx), inside region and box; (c1, c2) as for the region st
     ),
     row("delete_contact", "ID", "removes a contact", contact::delete_contact),
     explained(
-        row("set_dt", "dt|auto", "a constant time step [T], or the adaptive one", run::set_dt),
+        row(
+            "set_dt",
+            "dt [, force] | auto",
+            "a constant time step [T], or the adaptive one",
+            run::set_dt,
+        ),
         manual::SET_DT,
     ),
     explained(

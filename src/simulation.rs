@@ -23,7 +23,7 @@ use crate::plan::Plan;
 use crate::scheme::{Loops, Scheme};
 use crate::script::formula::{Board, Formula, Quantity};
 use crate::script::history::History;
-use crate::time_step::{Floor, TimeStep};
+use crate::time_step::{Floor, Limit, TimeStep};
 use crate::transfer::Transfer;
 use crate::world::World;
 use progress::Progress;
@@ -71,6 +71,8 @@ pub struct Simulation {
     started: Vec<String>,
     /// Size of the coming step and what limits it.
     next: Option<TimeStep>,
+    /// What limited the step just done.
+    bound: Option<Limit>,
     floor: Floor,
     /// The run that the next one goes on with, unless something has changed since.
     progress: Option<Progress>,

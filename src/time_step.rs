@@ -54,6 +54,18 @@ impl Limit {
     }
 }
 
+impl Limit {
+    /// Puts a limit into a checkpoint, or takes it from there.
+    pub fn keep(limit: &mut Option<Limit>, checkpoint: &mut Checkpoint) {
+        let mut number = limit.map(|limit| limit as u16);
+        checkpoint.option("limit", &mut number);
+        *limit = number.and_then(|number| Limit::ALL.get(usize::from(number)).copied());
+        if limit.is_none() && number.is_some() {
+            checkpoint.refuse("a time step has an unknown limit");
+        }
+    }
+}
+
 /// A step size \[T\] and what limits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeStep {
@@ -67,12 +79,11 @@ impl TimeStep {
     /// Puts a step into a checkpoint, or takes it from there.
     pub fn keep(step: &mut Option<TimeStep>, checkpoint: &mut Checkpoint) {
         let mut dt = step.map(|step| step.dt);
-        let mut limit = step.map(|step| step.limit as u16);
+        let mut limit = step.map(|step| step.limit);
         checkpoint.option("dt", &mut dt);
-        checkpoint.option("limit", &mut limit);
-        let limit = limit.map(|number| Limit::ALL.get(usize::from(number)).copied());
+        Limit::keep(&mut limit, checkpoint);
         *step = match (dt, limit) {
-            (Some(dt), Some(Some(limit))) => Some(TimeStep { dt, limit }),
+            (Some(dt), Some(limit)) => Some(TimeStep { dt, limit }),
             (None, None) => None,
             _ => return checkpoint.refuse("the next time step has no known limit"),
         };

@@ -58,8 +58,9 @@ Computed when something reads it, at most once per step.
   compute(Ek, kinetic_energy, all)";
 
 pub const SET_DT: &str = "\
-A number is used from then on, with a warning if it is above the stable step. `auto` (default): the
-largest stable step times `dt_factor`.";
+A number is used from then on, with a warning if it is above the stable step, which names the limit;
+above twice the stable step the run is refused, unless `force` stands behind the number. `auto` (default):
+the largest stable step times `dt_factor`.";
 
 pub const DT_FACTOR: &str = "\
 f > 0, above 1 with a warning. Smaller steps cost time and make FLIP with a fixed alpha damp faster.";

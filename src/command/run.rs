@@ -10,7 +10,7 @@ use crate::script::source::Span;
 use crate::simulation::Until;
 use std::io::Write;
 
-/// `set_dt(dt)`, `set_dt(auto)`
+/// `set_dt(dt)`, `set_dt(dt, force)`, `set_dt(auto)`
 pub fn set_dt(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnostic> {
     scene.fixed_dt = args.peek() != Some("auto");
     if args.keyword("auto") {
@@ -18,9 +18,10 @@ pub fn set_dt(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnost
     }
     let span = args.next_span();
     let dt = args.positive("the time step")?.value;
+    let forced = args.keyword("force");
     Ok(action(move |session| {
         session.simulation.fixed_dt = Some(dt);
-        session.fixed_dt_span = span;
+        (session.fixed_dt_span, session.fixed_dt_is_forced) = (span, forced);
     }))
 }
 
@@ -106,9 +107,6 @@ fn condition(args: &mut Args<'_>) -> Result<Formula, Diagnostic> {
     }
 }
 
-/// A set time step this much above the stable one is reported.
-const TOLERATED: f64 = 1.0 + 1e-9;
-
 fn perform(until: Until) -> Action {
     Box::new(move |session: &mut Session| -> Result<(), Stop> {
         session.simulation.quantities.clone_from(&session.quantities);
@@ -118,18 +116,9 @@ fn perform(until: Until) -> Action {
             true => None,
             false => simulation.stable_limit()?,
         };
-        if let (Some(dt), Some(limit)) = (simulation.fixed_dt, limit)
-            && dt > TOLERATED * limit.dt
-        {
-            let message = format!(
-                "the time step {dt} is above the stable one, {:.4e} ({} limit)",
-                limit.dt,
-                limit.limit.name()
-            );
-            session.warnings.push(
-                Diagnostic::warning(Code::UnstableStep, session.fixed_dt_span, message)
-                    .label("the run may blow up"),
-            );
+        let fixed = simulation.fixed_dt;
+        if let (Some(dt), Some(limit)) = (fixed, limit) {
+            session.judge_fixed_step(dt, limit)?;
         }
         session.show_warnings();
         if session.mode == Mode::Check {

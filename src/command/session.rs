@@ -3,11 +3,12 @@
 use crate::fault::Fault;
 use crate::model::domain::Domain;
 use crate::output::Outputs;
-use crate::script::diagnostic::{Diagnostic, render};
+use crate::script::diagnostic::{Code, Diagnostic, render};
 use crate::script::formula::{Instant, Quantity};
 use crate::script::scope::Measure;
 use crate::script::source::{Source, Span};
 use crate::simulation::Simulation;
+use crate::time_step::TimeStep;
 use std::io::IsTerminal;
 
 /// Why a performance ends before its script does.
@@ -36,6 +37,12 @@ pub enum Mode {
     Check,
 }
 
+/// A set time step this much above the stable one is reported.
+const TOLERATED: f64 = 1.0 + 1e-9;
+
+/// A set time step this much above the stable one is refused.
+const REFUSED: f64 = 2.0 + 1e-9;
+
 /// The simulation a script builds and runs.
 pub struct Session {
     /// The simulation; its box is empty until `dimension`.
@@ -54,6 +61,8 @@ pub struct Session {
     pub processes: Vec<usize>,
     /// Where `set_dt` stands.
     pub fixed_dt_span: Span,
+    /// It stands there with `force`.
+    pub fixed_dt_is_forced: bool,
     /// The next run is the rest of one that was stopped.
     pub finishes_run: bool,
 }
@@ -71,8 +80,35 @@ impl Session {
             echo: false,
             processes: Vec::new(),
             fixed_dt_span: Span::default(),
+            fixed_dt_is_forced: false,
             finishes_run: false,
         }
+    }
+
+    /// Compares a set time step with the stable one at the start of a run.
+    ///
+    /// # Errors
+    /// It is more than twice as large, and was not forced.
+    pub fn judge_fixed_step(&mut self, dt: f64, stable: TimeStep) -> Result<(), Stop> {
+        let TimeStep { dt: limit, limit: binding } = stable;
+        if dt <= TOLERATED * limit {
+            return Ok(());
+        }
+        let (span, name) = (self.fixed_dt_span, binding.name());
+        if dt > REFUSED * limit && !self.fixed_dt_is_forced {
+            let message = format!(
+                "the time step {dt} is above twice the stable one, {limit:.4e} ({name} limit)"
+            );
+            let refusal = Diagnostic::error(Code::Range, span, message)
+                .label("the run would blow up")
+                .help(format!("`set_dt(auto)` chooses; `set_dt({dt}, force)` runs all the same"));
+            return Err(Stop::Script(vec![refusal]));
+        }
+        let message =
+            format!("the time step {dt} is above the stable one, {limit:.4e} ({name} limit)");
+        let warning = Diagnostic::warning(Code::UnstableStep, span, message);
+        self.warnings.push(warning.label("the run may blow up"));
+        Ok(())
     }
 
     /// Does this process speak to the user?

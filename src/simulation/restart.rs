@@ -12,7 +12,7 @@ use crate::fault::Fault;
 use crate::model::checkpoint::{Checkpoint, Row};
 use crate::model::grid::Grid;
 use crate::output::{file, restart};
-use crate::time_step::TimeStep;
+use crate::time_step::{Limit, TimeStep};
 use crate::world::World;
 use std::path::Path;
 
@@ -300,6 +300,7 @@ impl Simulation {
         });
         checkpoint.within("run", |inside| Progress::keep(&mut self.progress, inside));
         checkpoint.within("next", |inside| TimeStep::keep(&mut self.next, inside));
+        checkpoint.within("done", |inside| Limit::keep(&mut self.bound, inside));
         checkpoint.within("floor", |inside| self.floor.keep(inside));
         checkpoint.within("loop", |inside| self.loops.keep(inside));
         let rows = if checkpoint.is_loading() { Vec::new() } else { self.rows() };

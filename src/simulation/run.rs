@@ -454,6 +454,7 @@ impl Simulation {
             self.next = Some(TimeStep { dt: next.dt, limit: Limit::End });
             self.clock.dt = rest;
         }
+        self.bound = self.next.map(|next| next.limit);
         Ok(())
     }
 
@@ -510,7 +511,11 @@ impl Simulation {
         let slots = self.outputs.slots_due(self.clock.step, last);
         self.refresh(&slots);
         let next = self.next.unwrap_or(TimeStep { dt: self.clock.dt, limit: Limit::Fixed });
-        let dt = if self.clock.step == 0 { next.dt } else { self.clock.dt };
+        // Both belong to the step just done, at first to the one to come.
+        let (dt, limit) = match self.clock.step {
+            0 => (next.dt, next.limit),
+            _ => (self.clock.dt, self.bound.unwrap_or(next.limit)),
+        };
         let now = Instant { time: self.clock.time, dt, step: self.clock.step };
         let whole = match self.outputs.dump_is_due(self.clock.step) {
             true => whole::gather(&mut self.world, self.outputs.nodes_are_due(self.clock.step)),
@@ -518,6 +523,6 @@ impl Simulation {
         };
         let world = whole.as_ref().unwrap_or(&self.world);
         let snapshot = Snapshot { step: self.clock.step, time: self.clock.time, world };
-        self.outputs.write(&snapshot, &self.board, &now, next.limit.name(), last)
+        self.outputs.write(&snapshot, &self.board, &now, limit.name(), last)
     }
 }

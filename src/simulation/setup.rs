@@ -102,6 +102,7 @@ impl Simulation {
             captured: Captured::default(),
             started: Vec::new(),
             next: None,
+            bound: None,
             floor: Floor::default(),
             progress: None,
             history: History::default(),

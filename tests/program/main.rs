@@ -78,12 +78,33 @@ fn a_particle_that_leaves_the_box_ends_with_1_and_is_named() {
 #[test]
 fn a_time_step_far_too_large_is_warned_about_and_stops_itself() {
     let place = Place::new(
-        "fix(v, initial_velocity_particles, all, 0.5*(y-0.5), 0.5*x)\nset_dt(0.3)\nrun(200)\n",
+        "fix(v, initial_velocity_particles, all, 0.5*(y-0.5), 0.5*x)\nset_dt(0.3, force)\nrun(200)\n",
     );
     let output = place.run(&["in.mpm"]);
     assert_eq!(output.status.code(), Some(1), "{}", stdout(&output));
     let text = stderr(&output);
     assert!(text.contains("W0205") && text.contains("above the stable one"), "{text}");
+}
+
+#[test]
+fn a_time_step_above_twice_the_stable_one_is_refused_unless_it_is_forced() {
+    // The stable step is 0.9 h/c.
+    for (part, code, words) in [
+        ("1.7", 0, "W0205"),
+        ("1.9", 2, "above twice the stable one"),
+        ("1.9, force", 0, "W0205"),
+        ("0.8", 0, ""),
+    ] {
+        let (factor, force) = part.split_once(',').unwrap_or((part, ""));
+        let force = if force.is_empty() { "" } else { ", force" };
+        let rest = format!("set_dt({factor}*0.1/sqrt(13.461538){force})\nrun(1)\n");
+        let place = Place::new(&rest);
+        let output = place.run(&["in.mpm"]);
+        assert_eq!(output.status.code(), Some(code), "{part}: {}", stderr(&output));
+        assert!(stderr(&output).contains(words), "{part}: {}", stderr(&output));
+        assert!(code == 0 || stderr(&output).contains("acoustic limit"));
+        assert_eq!(words.is_empty(), stderr(&output).is_empty(), "{part}: {}", stderr(&output));
+    }
 }
 
 #[test]

@@ -219,7 +219,7 @@ pub const ROWS: &[Row] = &[
         quick: &[("ulmpm", "linear", "FLIP 1", "musl")],
         without: Some(("`set_dt` at twelve times the limit", || {
             let way = way("ulmpm", "linear", "FLIP 1", "musl");
-            judge(&way, &play(&hot_script(&way, "set_dt(0.06)\n")), within)
+            judge(&way, &play(&hot_script(&way, "set_dt(0.06, force)\n")), within)
         })),
     },
 ];

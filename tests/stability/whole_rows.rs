@@ -247,8 +247,7 @@ fn two_cells(way: &Way) -> Verdict {
 
 /// A step ten times too large: a warning, and no numbers that are none at exit 0.
 fn far_too_large(way: &Way) -> Verdict {
-    let rest =
-        "fix(v, initial_velocity_particles, all, y0 - 0.45, 0.45 - x0)\nset_dt(0.1)\nrun(200)\n";
+    let rest = "fix(v, initial_velocity_particles, all, y0 - 0.45, 0.45 - x0)\nset_dt(0.1, force)\nrun(200)\n";
     let played = play(&block(way, ELASTIC, rest));
     match &played.end {
         Ok(()) if !played.is_finite() => Verdict::Fail("not finite".to_string()),

@@ -219,7 +219,7 @@ fn temperatures_stay_between_those_of_start_and_walls() {
     }
     // A step above the limit is seen. The limit is that of nodes that keep their own temperature;
     // the way over the particles takes the fastest modes down and lets steps four times as long pass.
-    let unstable = with(BAR, METHODS[0]).replace("0.2*h^2", "3*h^2");
+    let unstable = with(BAR, METHODS[0]).replace("0.2*h^2", "3*h^2, force");
     let [low, high] = range(&play(&unstable, &[("n", 20.0), ("end", 0.5)]));
     println!("a step six times too long: {low} {high}");
     assert!(low < -0.1 || high > 1.1, "{low} {high}");

@@ -35,6 +35,7 @@ mod script;
 mod shapes;
 mod shock;
 mod taylor;
+mod time_step;
 mod tools;
 mod two_disks;
 mod upsetting;

@@ -57,6 +57,8 @@ fn argument(statement: &str) -> &str {
 pub struct Played {
     names: Vec<String>,
     rows: Vec<Vec<f64>>,
+    /// The same rows as words, those with words among the numbers too.
+    texts: Vec<Vec<String>>,
     /// What went wrong, in the words the user sees.
     pub end: Result<(), String>,
     /// The state at the end.
@@ -176,16 +178,36 @@ impl Script {
         session.simulation.outputs.close().unwrap();
         let text = std::fs::read_to_string(log).unwrap();
         let names = text.lines().find(|line| line.trim_start().starts_with("Step "));
-        let names = names.unwrap_or("").split_whitespace().map(str::to_string).collect();
+        let names: Vec<String> =
+            names.unwrap_or("").split_whitespace().map(str::to_string).collect();
+        let count = names.len();
         let numbers = |line: &str| {
             line.split_whitespace().map(|word| word.parse().ok()).collect::<Option<Vec<f64>>>()
         };
-        let rows = text.lines().filter_map(numbers).filter(|row| !row.is_empty()).collect();
-        Played { names, rows, end, session }
+        // A word among the numbers, such as that of `dt_limit`, reads as not a number.
+        let starts_with_number =
+            |line: &&str| line.split_whitespace().next().is_some_and(|w| w.parse::<u64>().is_ok());
+        let words = |line: &str| line.split_whitespace().map(str::to_string).collect();
+        let texts = text.lines().filter(starts_with_number).map(words);
+        let texts: Vec<Vec<String>> =
+            texts.filter(|row: &Vec<String>| row.len() == count).collect();
+        let mut rows: Vec<Vec<f64>> =
+            text.lines().filter_map(numbers).filter(|row| !row.is_empty()).collect();
+        if rows.is_empty() {
+            let number = |word: &String| word.parse().unwrap_or(f64::NAN);
+            rows = texts.iter().map(|row| row.iter().map(number).collect()).collect();
+        }
+        Played { names, rows, texts, end, session }
     }
 }
 
 impl Played {
+    /// A column of the log in words.
+    pub fn words(&self, name: &str) -> Vec<String> {
+        let place = self.names.iter().position(|known| known == name).expect("the column is there");
+        self.texts.iter().map(|row| row[place].clone()).collect()
+    }
+
     /// A column of the log.
     pub fn column(&self, name: &str) -> Vec<f64> {
         let known = self.names.iter().position(|known| known == name);
