@@ -116,6 +116,10 @@ impl DomainKind {
     }
 }
 
+/// The part of its share of the body that a box of GIMP begins with: one that ends on a line of nodes is
+/// not carried across it by round-off, as it is 1e9 cells from the origin, to nodes with hardly any mass.
+const INSIDE: f64 = 1.0 - 1e-6;
+
 impl ShapeKind {
     /// Nodes per axis that see a particle.
     pub fn width(self) -> usize {
@@ -170,7 +174,9 @@ impl ShapeKind {
         cell: f64,
     ) -> [[f64; 4]; MOST_CORNERS] {
         match self {
-            ShapeKind::Gimp | ShapeKind::StretchedGimp => [[half.min(0.5 * cell); 4]; MOST_CORNERS],
+            ShapeKind::Gimp | ShapeKind::StretchedGimp => {
+                [[INSIDE * half.min(0.5 * cell); 4]; MOST_CORNERS]
+            }
             ShapeKind::Corners(kind) => kind.records(dimension, place, corners, half),
             _ => [[0.0; 4]; MOST_CORNERS],
         }
