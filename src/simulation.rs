@@ -4,6 +4,7 @@ mod agree;
 mod describe;
 pub mod fill;
 mod fracture;
+mod noise;
 mod overlap;
 mod progress;
 mod restart;

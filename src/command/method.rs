@@ -96,6 +96,7 @@ pub fn method(args: &mut Args<'_>, scene: &mut Scene) -> Result<Action, Diagnost
     let choice = Choice { method, transfer, domain };
     scene.method = Some(choice);
     warn_if_fragile(args, scene);
+    warn_if_locked(args, scene);
     Ok(action(move |session| choice.take_effect(&mut session.simulation)))
 }
 
@@ -341,14 +342,30 @@ pub fn anti_volumetric_locking(
     averaged_dilation(args, scene, "truth value", ["false", "true"])
 }
 
+/// Warns where F-bar hardly helps: nodes of Bernstein polynomials stand half a cell apart, so that there are
+/// as many averages as particles.
+fn warn_if_locked(args: &mut Args<'_>, scene: &Scene) {
+    let bernstein = scene.method.is_some_and(|c| c.method.shape == ShapeKind::Bernstein);
+    if scene.averaged_dilation && bernstein {
+        let message = "F-bar hardly unlocks Bernstein polynomials";
+        args.remarks.push(
+            Diagnostic::warning(Code::NoEffect, args.command.span, message)
+                .label("their nodes average over half a cell")
+                .help("it does with `linear` and with splines"),
+        );
+    }
+}
+
 /// Reads the word for off or on.
 fn averaged_dilation(
     args: &mut Args<'_>,
-    scene: &Scene,
+    scene: &mut Scene,
     what: &str,
     words: [&str; 2],
 ) -> Result<Action, Diagnostic> {
     scene.before_runs(args.command)?;
     let averaged = args.choice(what, &words)? == 1;
+    scene.averaged_dilation = averaged;
+    warn_if_locked(args, scene);
     Ok(action(move |session| session.simulation.world.method.averaged_dilation = averaged))
 }

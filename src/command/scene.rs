@@ -175,6 +175,8 @@ pub struct Scene {
     pub plots: Names<Declared>,
     /// `set_dt` has given the time step.
     pub fixed_dt: bool,
+    /// F-bar is on.
+    pub averaged_dilation: bool,
     /// Number of runs so far.
     pub runs: usize,
     /// Commands a run needs that have been tried, well or not.
@@ -210,6 +212,7 @@ impl Default for Scene {
             dumps: Names::new("dump"),
             plots: Names::new("plot"),
             fixed_dt: false,
+            averaged_dilation: false,
             runs: 0,
             tried: Vec::new(),
             calls: 0,

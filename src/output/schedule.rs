@@ -8,6 +8,7 @@ use crate::model::checkpoint::Checkpoint;
 use crate::plan::Plan;
 use crate::script::formula::{Board, Formula, Instant, Slot};
 use crate::timing::Timing;
+use std::io::Write;
 use std::path::PathBuf;
 use std::time;
 
@@ -64,6 +65,8 @@ pub struct Outputs {
     run: Option<(time::Instant, u64)>,
     whole: time::Instant,
     fault: Option<Fault>,
+    /// Said in the middle of the run, for its end.
+    warnings: Vec<String>,
     /// Another process writes all files.
     mute: bool,
 }
@@ -89,6 +92,7 @@ impl Outputs {
             run: None,
             whole: time::Instant::now(),
             fault: None,
+            warnings: Vec::new(),
         }
     }
 
@@ -337,19 +341,18 @@ impl Outputs {
         Ok(())
     }
 
-    /// A warning among the last lines of a run.
-    ///
-    /// # Errors
-    /// The log cannot be written.
-    pub fn warn(&mut self, message: &str) -> Result<(), Fault> {
+    /// A warning in the middle of a run: at once where errors go, and behind the run in the log.
+    pub fn warn(&mut self, message: String) {
         self.log.end_progress();
-        match self.run {
-            Some(_) => self.log.line(&format!("warning: {message}")),
-            None => Ok(()),
+        if !self.mute {
+            // A reader that has gone away is no error of ours.
+            let _ = writeln!(std::io::stderr(), "warning: {message}");
         }
+        self.warnings.push(message);
     }
 
-    /// Ends a run: loop time, speed, time by phase, figure.
+    /// Ends a run: loop time, speed, time by phase, warnings, figure. Between the rows of a table and its
+    /// loop time stands nothing else, for readers of logs.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -359,6 +362,7 @@ impl Outputs {
         particles: usize,
         processes: usize,
         timing: &Timing,
+        warnings: &[String],
     ) -> Result<(), Fault> {
         self.log.end_progress();
         let Some((start, _)) = self.run.take() else {
@@ -385,6 +389,9 @@ impl Outputs {
                     100.0 * spent / all
                 ))?;
             }
+        }
+        for warning in std::mem::take(&mut self.warnings).iter().chain(warnings) {
+            self.log.line(&format!("warning: {warning}"))?;
         }
         self.write_figure()
     }

@@ -1,6 +1,5 @@
 //! The loop over time steps.
 
-use super::fracture::Torn;
 use super::progress::{JOINED, Progress};
 use super::{Simulation, Until, fill, whole};
 use crate::compute::energy::{kinetic_energy, strain_energy};
@@ -107,52 +106,63 @@ impl Simulation {
         self.end_step()
     }
 
-    /// Warnings and figures at the end of a run.
+    /// Times, warnings and figures at the end of a run.
     fn end_run(&mut self, steps: u64) -> Result<(), Fault> {
-        let Loops { clipped, removed, bounced, .. } = &self.loops;
-        let counts = [*clipped, *removed, *bounced].map(|count| count as usize);
-        let ranks = &self.world.ranks;
-        let [clipped, removed, bounced, particles] =
-            ranks.count([counts[0], counts[1], counts[2], self.world.particles.len()]);
-        let cut = self.loops.first_cut(ranks);
-        if clipped > 0 {
-            self.outputs.warn(&format!(
-                "in {clipped} particle-steps the density was beyond 98 % of the pole of the shock curve; \
-                 the pressure went on along its tangent"
-            ))?;
-        }
-        if let Some((particle, time)) = cut {
-            self.outputs.warn(&format!(
-                "the domain of particle {particle} reached beyond the grid at time {time:.6e}, or \
-                 farther than {MOST_CORNER_CELLS} cells: such corners are moved to the nearest place"
-            ))?;
-        }
-        if let Some(Torn { id, stretch, distance, reach }) = self.torn() {
-            self.outputs.warn(&format!(
-                "particle {id} is stretched to {stretch:.2} times, {distance:.2} cells from its neighbours, \
-                 and its shape bridges {reach} cells: the body may have come apart for the grid alone \
-                 (numerical fracture); `tlmpm`, `ulcpdi` and more particles per cell hold it together"
-            ))?;
-        }
-        for (count, what) in [
-            (removed, "particles left the box and were removed"),
-            (
-                bounced,
-                "times a particle was reflected by the box: right for particles that fly alone; hold \
-                 bodies with `velocity_nodes`",
-            ),
-        ] {
-            if count > 0 {
-                self.outputs.warn(&format!("{count} {what}"))?;
-            }
-        }
+        let warnings = self.warnings();
         if self.progress.is_some_and(|progress| progress.finished) {
             self.clear_counts();
         }
-        let processes = self.world.ranks.size();
-        self.outputs.end_run(steps, particles, processes, &self.loops.timing)?;
+        let ranks = &self.world.ranks;
+        let ([particles], processes) = (ranks.count([self.world.particles.len()]), ranks.size());
+        self.outputs.end_run(steps, particles, processes, &self.loops.timing, &warnings)?;
         self.tell_traffic();
         Ok(())
+    }
+
+    /// What the user should know about the run that has ended.
+    fn warnings(&self) -> Vec<String> {
+        let Loops { clipped, removed, bounced, .. } = &self.loops;
+        let counts = [*clipped, *removed, *bounced].map(|count| count as usize);
+        let [clipped, removed, bounced] = self.world.ranks.count(counts);
+        let counted = |count: usize, text: String| (count > 0).then_some(text);
+        let of_clipped = counted(
+            clipped,
+            format!(
+                "in {clipped} particle-steps the density was beyond 98 % of the pole of the shock curve; \
+                 the pressure went on along its tangent"
+            ),
+        );
+        let of_domains = self.loops.first_cut(&self.world.ranks).map(|(particle, time)| {
+            format!(
+                "the domain of particle {particle} reached beyond the grid at time {time:.6e}, or \
+                 farther than {MOST_CORNER_CELLS} cells: such corners are moved to the nearest place"
+            )
+        });
+        let of_stretch = self.torn().map(|torn| torn.to_string());
+        let of_fluids = self.fluid_under_usl().map(|name| {
+            format!(
+                "`usl` strained the fluid `{name}` by what nodes with hardly any mass do at its free surface: \
+                 it may have gained energy; `musl` does not see them"
+            )
+        });
+        let of_hats = self.crossed().map(|cells| {
+            format!(
+                "particles have moved by up to {cells:.1} cells under hats, whose slope jumps at every node \
+                 they cross: stresses are noisy and energy is not kept; splines, `ulcpdi` and `tlmpm` have \
+                 no such noise"
+            )
+        });
+        let of_removed =
+            counted(removed, format!("{removed} particles left the box and were removed"));
+        let of_bounced = counted(
+            bounced,
+            format!(
+                "{bounced} times a particle was reflected by the box: right for particles that fly alone; \
+                 hold bodies with `velocity_nodes`"
+            ),
+        );
+        let all = [of_clipped, of_domains, of_stretch, of_fluids, of_hats, of_removed, of_bounced];
+        all.into_iter().flatten().collect()
     }
 
     /// What processes have sent each other, if there are several.

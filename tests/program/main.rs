@@ -30,6 +30,23 @@ fn a_run_ends_with_0_and_a_log_that_readers_understand() {
 }
 
 #[test]
+fn hats_that_particles_cross_are_warned_about_behind_the_times_of_the_run() {
+    // 0.4 cells, then 0.6.
+    let flight = |time: f64| {
+        let v = "fix(v, initial_velocity_particles, all, 1, 0)\nset_dt(0.002)\n";
+        let place = Place::new(&format!("{v}run_time({time})\n"));
+        assert_eq!(place.run(&["in.mpm", "--quiet"]).status.code(), Some(0));
+        place.read("log.mpm")
+    };
+    assert!(!flight(0.04).contains("warning: "));
+    let log = flight(0.06);
+    let of = |words: &str| log.find(words).unwrap_or_else(|| panic!("no `{words}` in {log}"));
+    assert!(
+        of("Loop time of ") < of("warning: particles have moved by up to 0.6 cells under hats")
+    );
+}
+
+#[test]
 fn a_dump_of_the_grid_shows_the_mass_of_the_body_in_every_scene() {
     // The second scene has a fix between two steps' stress and P2G.
     for fix in ["body_force, all, 0, -1", "velocity_particles, left, 0, -0.1"] {
