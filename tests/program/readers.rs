@@ -71,6 +71,24 @@ run(10)
 }
 
 #[test]
+fn paraview_plays_our_series() {
+    let place = Place::new(
+        "fix(v, initial_velocity_particles, all, 1, 0)
+dump(a, all, particle/vtk, 10, p.*.vtp, s11, vx, vy, vz)
+dump(b, all, grid/vtk, 10, g.*.vti, vx, vy, vz, mass)
+set_dt(0.002)
+run(20)
+",
+    );
+    assert_eq!(place.run(&["in.mpm", "--quiet"]).status.code(), Some(0));
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/python/read_pvd.py");
+    match Command::new("pvpython").arg(script).arg(place.0.path()).output() {
+        Ok(output) => assert!(output.status.success(), "{}{}", stdout(&output), stderr(&output)),
+        Err(_) => println!("not tested: ParaView (pvpython) is not installed"),
+    }
+}
+
+#[test]
 fn the_example_in_python_reads_dumps_logs_and_restarts() {
     let place = Place::new(
         "fix(v, initial_velocity_particles, all, 0.1, 0.2)
