@@ -1,7 +1,7 @@
 //! Rows 6 to 11 of the hard cases: large strains and turns, locking.
 
 use super::play::{Played, play};
-use super::table::{Row, Verdict, judge};
+use super::table::{HATS, Row, STEP, Verdict, judge};
 use super::ways::{SCHEMES, SHAPES, Way, all, way};
 use karamelo::model::column::Column;
 
@@ -39,7 +39,7 @@ fn crushed(played: &Played) -> Result<String, String> {
 }
 
 fn crush(way: &Way) -> Verdict {
-    judge(way, &play(&crush_script(way, "")), crushed)
+    judge(&[], &play(&crush_script(way, "")), crushed)
 }
 
 /// A block meets a wall at nine tenths of the speed of its waves.
@@ -50,8 +50,8 @@ fn slam(way: &Way) -> Verdict {
            group(floor, nodes, region, ground)\nfix(stop, velocity_nodes, floor, NULL, 0)\n\
            fix(v, initial_velocity_particles, all, 0, -0.9*11.6)\n\
            compute(Ek, kinetic_energy, all)\ncompute(Es, strain_energy, all)\nE = Ek + Es\n\
-           log_modify(custom, step, dt, time, E)\ndt_factor(0.2)\nset_output(1)\nrun_time(0.08)\n";
-    judge(way, &play(&text), |played| {
+           log_modify(custom, step, dt, time, E)\ndt_factor(0.08)\nset_output(1)\nrun_time(0.08)\n";
+    judge(&[HATS], &play(&text), |played| {
         let (least, growth) = (smallest(&played.particles(Column::J)), played.growth("E"));
         let text = format!("J at least {least:.3}, E/E0 {growth:.3}");
         if least > 0.0 && growth < 1.02 { Ok(text) } else { Err(text) }
@@ -76,7 +76,7 @@ fn pull(way: &Way) -> Verdict {
            fix(go, initial_velocity_particles, all, x0 - 3, 0)\n\
            compute(stress, average_stress, middle)\nratio = stress_11/(0.005*(4 - 1/4))\n\
            log_modify(custom, step, dt, time, ratio)\nset_output(20)\nrun_time(3)\n";
-    judge(way, &play(&text), |played| {
+    judge(&["numerical fracture"], &play(&text), |played| {
         let [_, ratio] = played.ends("ratio");
         let text = format!("mean stress {ratio:.3} of the exact one");
         if (ratio - 1.0).abs() < 0.1 { Ok(text) } else { Err(text) }
@@ -91,14 +91,16 @@ fn needles(way: &Way) -> Verdict {
            region(low, block, INF, INF, INF, h/4)\nregion(high, block, INF, INF, 1 - h/4, INF)\n\
            group(low, nodes, region, low)\ngroup(high, nodes, region, high)\n\
            fix(low, velocity_nodes, low, NULL, 0)\nfix(high, velocity_nodes, high, NULL, 0)\n\
-           fix(v, initial_velocity_particles, all, 4*(y0 - 0.5), 0)\n\
+           fix(v, initial_velocity_particles, all, 6*(y0 - 0.5), 0)\n\
            compute(Ek, kinetic_energy, all)\ncompute(Es, strain_energy, all)\nE = Ek + Es\n\
            log_modify(custom, step, dt, time, E)\ndt_factor(0.3)\nset_output(5)\nrun_time(1)\n";
-    judge(way, &play(&text), |played| {
+    judge(&[], &play(&text), |played| {
         let shear = played.particles(Column::F12).iter().fold(0.0f64, |most, f| most.max(f.abs()));
         let growth = played.growth("E");
         let text = format!("shear {shear:.1}, E/E0 {growth:.3}");
-        if growth <= 1.05 && shear > 1.0 { Ok(text) } else { Err(text) }
+        // PIC damps the motion before it has sheared the disk as far as the others.
+        let least = if way.kind() == "PIC" { 0.5 } else { 1.0 };
+        if growth <= 1.05 && shear > least { Ok(text) } else { Err(text) }
     })
 }
 
@@ -116,7 +118,7 @@ fn turned_script(way: &Way, rate: &str) -> String {
 }
 
 fn turned(way: &Way, rate: &str) -> Verdict {
-    judge(way, &play(&turned_script(way, rate)), |played| {
+    judge(&[], &play(&turned_script(way, rate)), |played| {
         let [_, last] = played.ends("difference");
         let text = format!("s22 - s11 {last:.4} of 1");
         if (last - 1.0).abs() < 0.01 { Ok(text) } else { Err(text) }
@@ -142,7 +144,7 @@ fn lost(way: &Way, dt: f64) -> Result<f64, Verdict> {
            compute(Ek, kinetic_energy, all)\nlog_modify(custom, step, dt, time, Ek)\n"
         + &format!("set_dt({dt})\nset_output(10)\nrun_time(0.5)\n");
     let played = play(&text);
-    match judge(way, &played, |_| Ok(String::new())) {
+    match judge(&[], &played, |_| Ok(String::new())) {
         Verdict::Pass(_) => {
             let [first, last] = played.ends("Ek");
             Ok(1.0 - last / first)
@@ -175,7 +177,7 @@ fn beam(way: &Way, anti_locking: &str) -> Verdict {
            group(tip, particles, region, end, solid, bar)\nfix(hold, velocity_nodes, wall, 0, 0)\n\
            fix(gravity, body_force, all, 0, -0.01)\ntip = xcm(tip, y)\n\
            log_modify(custom, step, dt, time, tip)\nset_output(200)\nrun_time(1.8)\n";
-    judge(way, &play(&text), |played| {
+    judge(&["hardly unlocks"], &play(&text), |played| {
         let lowest = smallest(&played.column("tip"));
         let modulus = 1e6 / (1.0 - 0.4999f64.powi(2));
         let theory = -2.0 * 12.0 * 1000.0 * 0.01 * 4f64.powi(4) / (8.0 * modulus);
@@ -198,7 +200,7 @@ pub const ROWS: &[Row] = &[
         ],
         without: Some(("`set_dt(0.13)`", || {
             let way = way("ulmpm", "quadratic-spline", "FLIP 1", "musl");
-            judge(&way, &play(&crush_script(&way, "set_dt(0.13)\n")), crushed)
+            judge(&[STEP], &play(&crush_script(&way, "set_dt(0.13)\n")), crushed)
         })),
     },
     Row {
@@ -213,7 +215,7 @@ pub const ROWS: &[Row] = &[
     Row {
         number: 8,
         mode: "domains of CPDI",
-        criterion: "sheared by more than 1 beside walls: ends, energy grows by 5 % at most",
+        criterion: "sheared by more than 1 (PIC: 0.5) beside walls: ends, energy grows by 5 % at most",
         ways: || {
             let domains = |way: &Way| way.has_domains() || way.shape == "cpgimp";
             with(&["FLIP 1", "PIC", "APIC", "XPIC 2"]).into_iter().filter(domains).collect()

@@ -1,7 +1,7 @@
 //! Rows 12 to 17 of the hard cases: fluids, shocks, yield, damage, heat.
 
 use super::play::{Played, play};
-use super::table::{Row, Verdict, judge};
+use super::table::{HATS, Row, STEP, Verdict, judge};
 use super::ways::{Way, all, way};
 use karamelo::model::column::Column;
 
@@ -29,7 +29,7 @@ fn dam(way: &Way) -> Verdict {
            fix(gravity, body_force, all, 0, -9.81)\ncompute(Ek, kinetic_energy, all)\n\
            E = Ek + 240*9.81*xcm(all, y)\nlog_modify(custom, step, dt, time, E)\n\
            set_output(10)\nrun_time(1)\n";
-    judge(way, &play(&text), |played| {
+    judge(&[HATS, "`usl` strained the fluid"], &play(&text), |played| {
         let text = format!("E/E0 {:.4}", played.growth("E"));
         if played.growth("E") <= 1.02 { Ok(text) } else { Err(text) }
     })
@@ -71,17 +71,21 @@ fn plateau(played: &Played) -> Result<String, String> {
 }
 
 fn shock(way: &Way) -> Verdict {
-    judge(way, &play(&shock_script(way, 500.0, "2, 0.2", 1e-6)), plateau)
+    judge(&[HATS], &play(&shock_script(way, 500.0, "2, 0.2", 1e-6)), plateau)
 }
 
-/// Row 14. The same at four times the speed of sound, far beyond the pole eta = S (eta - 1).
+/// Row 14. The same at four times the speed of sound: behind a steady shock is 2.33 times the density, which
+/// stays below the pole S/(S - 1) = 3.04 times; behind the first cells, which overshoot, it may not. Then the
+/// warning has to count them.
 fn pole(way: &Way) -> Verdict {
     let played = play(&shock_script(way, 4.0 * 3940.0, "0, 0", 8e-8));
-    let warned = played.warnings.iter().any(|words| words.contains("98 % of the pole"));
-    match judge(way, &played, |_| Ok("ends, with the counted warning".to_string())) {
-        Verdict::Pass(_) if !warned => Verdict::Fail("no warning about the pole".to_string()),
-        other => other,
-    }
+    let counted = played.warnings.iter().any(|words| words.contains("98 % of the pole"));
+    judge(&[], &played, |played| {
+        let densest = 1.0 / played.particles(Column::J).into_iter().fold(f64::INFINITY, f64::min);
+        let text = format!("{densest:.2} times the density, counted: {counted}");
+        let known = counted || densest < 0.98 * 1.489 / 0.489;
+        if densest > 0.0 && known { Ok(text) } else { Err(text) }
+    })
 }
 
 const COPPER: &str = "G = 47.7e9\neos(p, linear, 8960, 1e11)\n\
@@ -96,7 +100,7 @@ fn molten(way: &Way) -> Verdict {
            solid(s, region, body, 2, copper, h, 1400)\n\
            fix(v, initial_velocity_particles, all, 100, 50)\ncompute(Ek, kinetic_energy, all)\n\
            log_modify(custom, step, dt, time, Ek)\nset_output(10)\nrun_time(4e-5)\n";
-    judge(way, &play(&text), |played| {
+    judge(&[], &play(&text), |played| {
         let growth = (played.growth("Ek") - 1.0).abs();
         let off =
             played.particles(Column::J).iter().fold(0.0f64, |most, j| most.max((j - 1.0).abs()));
@@ -123,7 +127,7 @@ fn torn(way: &Way) -> Verdict {
            fix(left, velocity_particles, left, -50, 0)\nfix(right, velocity_particles, right, 50, 0)\n\
            compute(Es, strain_energy, all)\nlog_modify(custom, step, dt, time, Es)\n\
            set_output(1)\nrun_time(6e-5)\n";
-    judge(way, &play(&text), |played| {
+    judge(&[], &play(&text), |played| {
         let broken = played.particles(Column::Damage).iter().filter(|d| **d >= 1.0).count();
         let steps = played.column("dt");
         let least = steps[..steps.len() - 1].iter().fold(f64::INFINITY, |least, dt| least.min(*dt));
@@ -157,7 +161,7 @@ fn within(played: &Played) -> Result<String, String> {
 }
 
 fn hot(way: &Way) -> Verdict {
-    judge(way, &play(&hot_script(way, "set_dt(auto)\n")), within)
+    judge(&[], &play(&hot_script(way, "set_dt(auto)\n")), within)
 }
 
 /// Rows 12 to 17.
@@ -180,13 +184,13 @@ pub const ROWS: &[Row] = &[
         quick: &[("tlmpm", "linear", "FLIP 1", "musl")],
         without: Some(("Q1 = Q2 = 0", || {
             let way = way("tlmpm", "linear", "FLIP 1", "musl");
-            judge(&way, &play(&shock_script(&way, 500.0, "0, 0", 1e-6)), plateau)
+            judge(&[], &play(&shock_script(&way, 500.0, "0, 0", 1e-6)), plateau)
         })),
     },
     Row {
         number: 14,
         mode: "pole of the shock curve",
-        criterion: "a plate at 4 c0 against a wall ends without NaN, with a counted warning",
+        criterion: "a plate at 4 c0 against a wall ends without NaN; particles beyond the pole are counted",
         ways: || with(&["FLIP 1", "APIC"]),
         run: pole,
         quick: &[("ulmpm", "quadratic-spline", "FLIP 1", "musl")],
@@ -219,7 +223,7 @@ pub const ROWS: &[Row] = &[
         quick: &[("ulmpm", "linear", "FLIP 1", "musl")],
         without: Some(("`set_dt` at twelve times the limit", || {
             let way = way("ulmpm", "linear", "FLIP 1", "musl");
-            judge(&way, &play(&hot_script(&way, "set_dt(0.06, force)\n")), within)
+            judge(&[STEP], &play(&hot_script(&way, "set_dt(0.06, force)\n")), within)
         })),
     },
 ];

