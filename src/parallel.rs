@@ -11,7 +11,7 @@ pub mod partition;
 
 use crate::fault::{Fault, FaultKind};
 use crate::math::exact_sum::{ExactSum, VectorSum};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Numbers for or from another process.
 #[derive(Clone, Debug, Default)]
@@ -60,7 +60,13 @@ pub trait Exchange: Send + Sync {
 
 /// The processes of a run; by default there is one.
 #[derive(Clone, Default)]
-pub struct Ranks(Option<Arc<dyn Exchange>>);
+pub struct Ranks(Option<Arc<Several>>);
+
+struct Several {
+    exchange: Arc<dyn Exchange>,
+    /// What they agree on at the end of a step; kept, so that a step allocates nothing.
+    numbers: Mutex<Vec<f64>>,
+}
 
 impl std::fmt::Debug for Ranks {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -71,12 +77,13 @@ impl std::fmt::Debug for Ranks {
 impl Ranks {
     /// Several processes.
     pub fn new(exchange: Arc<dyn Exchange>) -> Self {
-        Self((exchange.size() > 1).then_some(exchange))
+        let several = |exchange| Arc::new(Several { exchange, numbers: Mutex::default() });
+        Self((exchange.size() > 1).then(|| several(exchange)))
     }
 
     /// How several processes talk; `None` if there is one.
     pub fn exchange(&self) -> Option<&dyn Exchange> {
-        self.0.as_deref()
+        self.0.as_ref().map(|several| &*several.exchange)
     }
 
     /// Is there one process?
@@ -86,12 +93,12 @@ impl Ranks {
 
     /// Number of this process, from 0.
     pub fn rank(&self) -> usize {
-        self.0.as_ref().map_or(0, |exchange| exchange.rank())
+        self.exchange().map_or(0, |exchange| exchange.rank())
     }
 
     /// Number of processes.
     pub fn size(&self) -> usize {
-        self.0.as_ref().map_or(1, |exchange| exchange.size())
+        self.exchange().map_or(1, |exchange| exchange.size())
     }
 
     /// Does this process write files and speak to the user?
@@ -156,16 +163,24 @@ impl Ranks {
     /// # Errors
     /// The fault.
     pub fn agree(&self, fault: Option<Fault>, numbers: &mut [f64]) -> Result<(), Fault> {
-        let Some(exchange) = self.exchange() else { return fault.map_or(Ok(()), Err) };
+        let Some(several) = &self.0 else { return fault.map_or(Ok(()), Err) };
+        let exchange = &several.exchange;
         let size = exchange.size();
-        let mut all = vec![if fault.is_some() { (size - exchange.rank()) as f64 } else { 0.0 }];
-        all.extend_from_slice(numbers);
-        exchange.largest(&mut all);
-        numbers.copy_from_slice(&all[1..]);
-        if all[0] == 0.0 {
+        // The lowest rank has the largest number; without a fault it is 0.
+        let rank = if fault.is_some() { (size - exchange.rank()) as f64 } else { 0.0 };
+        let first = {
+            let mut all = several.numbers.lock().unwrap_or_else(PoisonError::into_inner);
+            all.clear();
+            all.push(rank);
+            all.extend_from_slice(numbers);
+            exchange.largest(&mut all);
+            numbers.copy_from_slice(&all[1..]);
+            all[0]
+        };
+        if first == 0.0 {
             return Ok(());
         }
-        let root = size - all[0] as usize;
+        let root = size - first as usize;
         let mut bytes = fault.map(|fault| encode(&fault, root)).unwrap_or_default();
         exchange.broadcast(root, &mut bytes);
         Err(decode(&bytes))

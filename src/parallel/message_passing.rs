@@ -11,7 +11,7 @@ pub use mpi::environment::Universe;
 use mpi::request;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Bytes of one message at most: MPI counts in 31 bits.
 const LARGEST: usize = 1 << 30;
@@ -24,6 +24,8 @@ pub fn start() -> Option<(Universe, Ranks)> {
         rank: world.rank() as usize,
         size: world.size() as usize,
         neighbours: world.split_shared(world.rank()).size() as usize,
+        words: Mutex::default(),
+        numbers: Mutex::default(),
     };
     Some((universe, Ranks::new(Arc::new(exchange))))
 }
@@ -33,6 +35,21 @@ struct Messages {
     rank: usize,
     size: usize,
     neighbours: usize,
+    /// What this process brings to a reduction; kept, so that a step allocates nothing.
+    words: Mutex<Vec<i64>>,
+    numbers: Mutex<Vec<f64>>,
+}
+
+/// Reduces values over all processes; `own` is memory for those of this one.
+fn reduce<T: Copy + Equivalence>(
+    own: &Mutex<Vec<T>>,
+    values: &mut [T],
+    operation: SystemOperation,
+) {
+    let mut own = own.lock().unwrap_or_else(PoisonError::into_inner);
+    own.clear();
+    own.extend_from_slice(values);
+    world().all_reduce_into(&own[..], values, operation);
 }
 
 /// All processes. Handles of MPI cannot pass between threads, so each call takes its own.
@@ -54,13 +71,11 @@ impl Exchange for Messages {
     }
 
     fn sum(&self, words: &mut [i64]) {
-        let own = words.to_vec();
-        world().all_reduce_into(&own[..], words, SystemOperation::sum());
+        reduce(&self.words, words, SystemOperation::sum());
     }
 
     fn largest(&self, numbers: &mut [f64]) {
-        let own = numbers.to_vec();
-        world().all_reduce_into(&own[..], numbers, SystemOperation::max());
+        reduce(&self.numbers, numbers, SystemOperation::max());
     }
 
     fn broadcast(&self, root: usize, bytes: &mut Vec<u8>) {
