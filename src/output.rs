@@ -7,6 +7,7 @@ pub mod field;
 pub mod file;
 pub mod frame;
 pub mod gzip;
+pub mod joint;
 pub mod lammps;
 pub mod log;
 pub mod nodes;
@@ -19,6 +20,7 @@ pub mod raster;
 pub mod restart;
 pub mod schedule;
 pub mod series;
+pub mod share;
 pub mod vtk;
 
 use crate::fault::Fault;
@@ -53,16 +55,11 @@ pub trait Dump: Send {
     /// What its fields need of the scene.
     fn needs(&self, plan: &mut Plan, dimension: usize);
 
-    /// Does it show nodes?
-    fn shows_nodes(&self) -> bool {
-        false
-    }
-
-    /// Writes one snapshot; gives the names of the files written, `*` for the
-    /// step.
+    /// Writes one snapshot; gives the names of the files written, `*` for the step. All processes do
+    /// so together, each with the particles and nodes it has; the first one has the file.
     ///
     /// # Errors
-    /// The path and the system's reason.
+    /// In the first process, the path and the system's reason.
     fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<Vec<String>, Fault>;
 
     /// Puts into a checkpoint, or takes from it, where a growing file ends.

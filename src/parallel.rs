@@ -45,6 +45,10 @@ pub trait Exchange: Send + Sync {
     /// Brings the bytes of all to process 0, by rank; the others get nothing.
     fn gather(&self, bytes: &[u8]) -> Vec<Vec<u8>>;
 
+    /// Brings the parts of all to process 0, which takes them piece by piece in the order of ranks,
+    /// without having them all in memory.
+    fn collect(&self, parts: &[Vec<u8>], take: &mut dyn FnMut(&[u8]));
+
     /// Gives everybody the numbers of all, one after the other by rank.
     fn share(&self, numbers: &[f64]) -> Vec<f64>;
 

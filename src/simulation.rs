@@ -12,7 +12,6 @@ mod run;
 mod setup;
 mod trial;
 mod units;
-mod whole;
 
 use crate::compute::Compute;
 use crate::fix::Fix;

@@ -3,7 +3,9 @@
 #![cfg(feature = "mpi")]
 
 use assert_cmd::cargo::cargo_bin;
+use flate2::read::GzDecoder;
 use std::collections::BTreeMap;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -237,8 +239,10 @@ fn what_fails_in_one_process_stops_all_with_one_message() {
     assert!(said.contains("sqrt(40 - x)") && said.contains("(process "), "{said}");
     let said = fails("escape", &with("fix(push, body_force, all, 0, 200*(x > 30))\n"));
     assert!(said.contains("left the box") && said.contains("(process "), "{said}");
-    // A folder stands where the first process wants to write its second dump.
-    let said = fails("folder", &FLIGHT.replace("p.*.dump", "taken.*.dump"));
+    // A folder stands where the first process wants to write its second dump; the others go on to the
+    // next one.
+    let another = with("dump(q, all, particle/gz, 100, q.*.gz, x)\n");
+    let said = fails("folder", &another.replace("p.*.dump", "taken.*.dump"));
     assert!(said.contains("taken.100.dump"), "{said}");
     let said =
         fails("start", &with("fix(late, initial_velocity_particles, all, sqrt(6 - x), 0)\n"));
@@ -291,6 +295,56 @@ fn bodies_may_be_added_cut_and_moved_between_runs() {
         assert!(one.len() > 12, "{:?}", one.keys());
         for processes in [2, 3, 5] {
             assert!(play(&script, &[], processes) == one, "{processes} processes: {text}");
+        }
+    }
+}
+
+/// Dumps of all styles of a block of 17 thousand particles, 23 thousand nodes.
+const DUMPS: &str = "
+cells = 13
+h = 1/cells
+method(ulmpm, FLIP, linear, 1)
+dimension(3, -0.5, 1.5, -0.5, 1.5, -0.5, 1.5, h)
+region(body, block, 0, 1, 0, 1, 0, 1)
+region(part, block, 0, 0.3, 0, 1, 0.2, 1)
+region(bottom, block, INF, INF, INF, INF, INF, 0.1)
+material(m, linear, 1000, 1000, 0.3)
+solid(block, region, body, 2, m, h)
+group(some, particles, region, part, solid, block)
+group(low, nodes, region, bottom, solid, block)
+fix(shake, initial_velocity_particles, all, 0.02*sin(3*y0), 0.02*sin(3*z0), 0.02*sin(3*x0))
+dump(a, all, particle, 2, a.*.dump, x, y, z, vx, s11, seq)
+dump(b, all, particle/gz, 2, b.*.gz, x, y, z, vx, s11, seq)
+dump(c, some, particle/gz, 2, c.gz, x, seq)
+dump(d, some, particle/bin, 2, d.bin, x, seq, p)
+dump(e, all, particle/vtk, 2, e.*.vtp, ovito)
+dump(f, some, particle/vtk, 2, f.vtp, vx)
+dump(g, all, grid, 2, g.*.dump, x, vx, mass, bx, mask, ntypez)
+dump(h, low, grid/gz, 2, h.*.gz, x, vx)
+dump(i, all, grid/bin, 2, i.*.bin, z, vx, mass)
+dump(j, all, grid/vtk, 2, j.*.vti, vx, mass)
+dump(k, low, grid/vtk, 2, k.*.vtp, vx, mass)
+dump(l, some, picture, 2, l.*.png, seq, size, 300, 200)
+dump(m, all, pyplot, 2, m.*.png, 300, 200)
+run(4)
+";
+
+#[test]
+fn each_process_formats_its_part_of_every_dump() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = folder.path().join("in.mpm");
+    let total = DUMPS.replace("method(ulmpm", "method(tlmpm");
+    for text in [DUMPS, &total] {
+        std::fs::write(&script, text).unwrap();
+        let one = play(&script, &[], 0);
+        assert!(one.len() > 30, "{:?}", one.keys());
+        let mut unzipped = Vec::new();
+        GzDecoder::new(&one["b.4.gz"][..]).read_to_end(&mut unzipped).unwrap();
+        assert!(unzipped == one["a.4.dump"], "the text is that of the dump without compression");
+        for processes in [2, 3, 5] {
+            let other = play(&script, &[], processes);
+            let unlike = one.keys().filter(|file| one.get(*file) != other.get(*file));
+            assert_eq!(unlike.collect::<Vec<_>>(), Vec::<&String>::new(), "in {processes}: {text}");
         }
     }
 }

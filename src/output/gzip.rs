@@ -1,16 +1,13 @@
 //! Gzip in parallel, as ONE member: OVITO reads the first member of a file only.
 //!
-//! Chunks are compressed side by side into raw deflate blocks that end on a byte (sync flush), put
-//! in a row and closed by an empty last block; the checksum is combined from those of the chunks.
+//! Pieces are compressed side by side into raw deflate blocks that end on a byte (sync flush), put
+//! in a row and closed by an empty last block; the checksum is combined from those of the pieces.
 
+use super::joint::Joint;
 use crc32fast::Hasher;
 use flate2::{Compress, Compression, FlushCompress};
-use rayon::prelude::*;
 
 const LEVEL: u32 = 3;
-
-/// Bytes that one thread compresses at a time.
-const CHUNK: usize = 1 << 20;
 
 /// Magic number, deflate, no flags, no time, no extra flags, unknown system.
 const HEADER: [u8; 10] = [0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 255];
@@ -18,26 +15,37 @@ const HEADER: [u8; 10] = [0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 255];
 /// A last block without data.
 const LAST_BLOCK: [u8; 2] = [3, 0];
 
-/// The gzip member of `text`.
-pub fn compress(text: &[u8]) -> Vec<u8> {
-    let parts: Vec<(Vec<u8>, Hasher)> = text
-        .par_chunks(CHUNK)
-        .map(|chunk| {
-            let mut hasher = Hasher::new();
-            hasher.update(chunk);
-            (deflate(chunk), hasher)
-        })
-        .collect();
-    let mut checksum = Hasher::new();
-    let mut member = HEADER.to_vec();
-    for (blocks, hasher) in &parts {
-        member.extend_from_slice(blocks);
-        checksum.combine(hasher);
+/// Compressed text.
+pub struct Piece {
+    blocks: Vec<u8>,
+    checksum: Hasher,
+}
+
+impl Piece {
+    /// Compresses a text.
+    pub fn of(text: &[u8]) -> Self {
+        let mut checksum = Hasher::new();
+        checksum.update(text);
+        Self { blocks: deflate(text), checksum }
     }
-    member.extend_from_slice(&LAST_BLOCK);
-    member.extend_from_slice(&checksum.finalize().to_le_bytes());
-    member.extend_from_slice(&(text.len() as u32).to_le_bytes());
-    member
+}
+
+/// Writes the gzip member of a text of the first process and the pieces of all.
+pub fn write(file: &mut Joint<'_>, first: &[u8], pieces: Vec<Piece>) {
+    let mut own = Hasher::new();
+    pieces.iter().for_each(|piece| own.combine(&piece.checksum));
+    let sums = file.ranks().share(&[own.total_len() as f64, f64::from(own.finalize())]);
+    let Piece { blocks, mut checksum } = Piece::of(first);
+    for [length, sum] in sums.as_chunks::<2>().0 {
+        checksum.combine(&Hasher::new_with_initial_len(*sum as u32, *length as u64));
+    }
+    file.put(&HEADER);
+    file.put(&blocks);
+    file.put_all(&pieces.into_iter().map(|piece| piece.blocks).collect::<Vec<_>>());
+    let length = checksum.total_len() as u32;
+    file.put(&LAST_BLOCK);
+    file.put(&checksum.finalize().to_le_bytes());
+    file.put(&length.to_le_bytes());
 }
 
 /// Raw deflate blocks that end on a byte boundary.
@@ -59,6 +67,7 @@ fn deflate(chunk: &[u8]) -> Vec<u8> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::lammps::tests::bytes;
     use super::*;
     use flate2::read::GzDecoder;
     use std::io::Read;
@@ -72,17 +81,20 @@ mod tests {
     }
 
     #[test]
-    fn the_first_member_is_everything_whatever_the_length() {
-        for length in [0, 1, 1000, CHUNK, CHUNK + 1, 3 * CHUNK + 17] {
-            let text: Vec<u8> = (0..length).map(|i| b"0123456789 .-\n"[(i * i / 7) % 14]).collect();
-            let (found, rest) = first_member(&compress(&text));
-            assert!(found == text && rest == 0, "length {length}");
+    fn the_first_member_is_everything_whatever_the_lengths() {
+        for lengths in [&[][..], &[0], &[1, 1000], &[1 << 20, 0, 3 << 20, 17]] {
+            let letter = |i: usize| b"0123456789 .-\n"[(i * i / 7) % 14];
+            let texts: Vec<Vec<u8>> =
+                lengths.iter().map(|length| (0..*length).map(letter).collect()).collect();
+            let pieces = texts.iter().map(|text| Piece::of(text)).collect();
+            let (found, rest) = first_member(&bytes(|file| write(file, b"first", pieces)));
+            assert!(found == [b"first".to_vec(), texts.concat()].concat() && rest == 0);
         }
     }
 
     #[test]
     fn a_damaged_member_is_noticed() {
-        let mut bytes = compress(b"the quick brown fox");
+        let mut bytes = bytes(|file| write(file, b"the quick brown fox", Vec::new()));
         let place = bytes.len() - 6;
         bytes[place] ^= 1;
         assert!(GzDecoder::new(&bytes[..]).read_to_end(&mut Vec::new()).is_err());

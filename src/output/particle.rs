@@ -1,7 +1,7 @@
 //! Dumps of particles.
 
 use super::field::{Columns, Fields};
-use super::lammps::{Table, corners};
+use super::lammps::{Part, Table, corners};
 use super::series::{Format, Series};
 use super::{BuildDump, Dump, DumpTarget, Snapshot};
 use crate::fault::Fault;
@@ -105,17 +105,22 @@ impl Dump for ParticleDump {
         order.sort_unstable_by_key(|p| particles.id[*p as usize]);
         let (names, fields) = self.fields.of(world);
         let columns = Columns::new(world);
-        self.series.write(&[Table {
+        let ranks = &world.ranks;
+        let table = Table {
             step: snapshot.step,
             time: snapshot.time,
             corners: corners(world, particles.position.iter().map(|x| [x[0], x[1], x[2]])),
             names: &names,
             order: &order,
-            id: &|p| u64::from(particles.id[p]),
-            kind: &|p| u64::from(particles.solid[p]) + 1,
+            id: Box::new(|p| u64::from(particles.id[p])),
+            kind: Box::new(|p| u64::from(particles.solid[p]) + 1),
             values: fields.into_iter().map(|field| columns.values(field)).collect(),
-            point: &|p| world.place(p),
+            point: Box::new(|p| world.place(p)),
             lattice: None,
-        }])
+            part: Part { before: 0, all: order.len() },
+        };
+        let points = self.series.has_points();
+        table
+            .dealt_out(ranks, points, |table| self.series.write(ranks, std::slice::from_ref(table)))
     }
 }

@@ -7,6 +7,7 @@ use super::colours::{self, MAPS, Map};
 use super::field::{self, Columns, Field};
 use super::frame::{self, Frame, MARGIN};
 use super::raster::{Ball, Drawing};
+use super::share::{Rows, Share};
 use super::{BuildDump, Dump, DumpTarget, Snapshot, file, number};
 use crate::fault::Fault;
 use crate::fix::GroupKind;
@@ -190,7 +191,10 @@ impl Dump for Picture {
             None => snapshot.step.to_string(),
         };
         let path = PathBuf::from(self.pattern.replace('*', &number));
-        file::write_whole(&path, &self.draw(snapshot).encode(&path))?;
+        let dots = self.dots(snapshot.world);
+        if snapshot.world.ranks.is_first() {
+            file::write_whole(&path, &self.draw(snapshot, &dots).encode(&path))?;
+        }
         Ok(vec![self.pattern.clone()])
     }
 }
@@ -205,15 +209,14 @@ struct Dots {
 }
 
 impl Picture {
-    fn draw(&self, snapshot: &Snapshot<'_>) -> Canvas {
+    fn draw(&self, snapshot: &Snapshot<'_>, dots: &Dots) -> Canvas {
         let world = snapshot.world;
-        let dots = self.dots(world);
         let mut canvas = Canvas::new(self.size[0], self.size[1]);
         let [width, height] = self.size.map(f64::from);
         let room = [width - BAR, height];
         match world.domain.dimension {
-            3 => self.in_space(&mut canvas, world, &dots, room),
-            _ => self.in_plane(&mut canvas, world, &dots, room),
+            3 => self.in_space(&mut canvas, world, dots, room),
+            _ => self.in_plane(&mut canvas, world, dots, room),
         }
         let title = format!("t = {}", number::brief(snapshot.time));
         canvas.text([0.5 * room[0] as f32, 0.5 * MARGIN as f32], 16.0, Anchor::Middle, title);
@@ -227,6 +230,7 @@ impl Picture {
         canvas
     }
 
+    /// The dots of all processes, in the first one.
     fn dots(&self, world: &World) -> Dots {
         let particles = &world.particles;
         let inside = |p: &usize| match self.limits {
@@ -236,29 +240,35 @@ impl Picture {
             }
             None => true,
         };
-        let mut order: Vec<usize> =
+        let shown: Vec<usize> =
             particles.of_group(&world.groups, self.group).filter(inside).collect();
-        order.sort_unstable_by_key(|p| particles.id[*p]);
+        let values = match self.shown {
+            Shown::Solid => None,
+            Shown::Field(field) => Some(Columns::new(world).values(field)),
+        };
+        let number = |row: usize, column: usize| match (column, &values) {
+            (0..3, _) => world.place(shown[row])[column],
+            (3, _) => self.dots * field::radius(world, shown[row]),
+            (_, Some(values)) => values.at(shown[row]),
+            (_, None) => f64::from(particles.solid[shown[row]]),
+        };
+        let keys: Vec<u64> = shown.iter().map(|p| u64::from(particles.id[*p])).collect();
+        let rows = Rows::deal(&world.ranks, &Share::to_first(), &keys, 5, number);
+        let order = rows.order();
+        let rows = &rows;
+        let column =
+            |column: usize| order.iter().map(move |row| rows.number(*row as usize, column));
         let mut range = [0.0, 1.0];
         let colours = match self.shown {
-            Shown::Solid => {
-                order.iter().map(|p| Colour::of(particles.solid[*p] as usize)).collect()
-            }
-            Shown::Field(field) => {
-                let values = Columns::new(world).values(field);
-                let numbers = || order.iter().map(|p| values.at(*p));
-                range = self.range.unwrap_or_else(|| colours::range(numbers()));
+            Shown::Solid => column(4).map(|solid| Colour::of(solid as usize)).collect(),
+            Shown::Field(_) => {
+                range = self.range.unwrap_or_else(|| colours::range(column(4)));
                 let [low, high] = range;
-                numbers().map(|value| self.map.of((value - low) / (high - low))).collect()
+                column(4).map(|value| self.map.of((value - low) / (high - low))).collect()
             }
         };
-        let radius = |p: &usize| self.dots * field::radius(world, *p);
-        Dots {
-            places: order.iter().map(|p| world.place(*p)).collect(),
-            radii: order.iter().map(radius).collect(),
-            colours,
-            range,
-        }
+        let places = column(0).zip(column(1)).zip(column(2)).map(|((x, y), z)| [x, y, z]);
+        Dots { places: places.collect(), radii: column(3).collect(), colours, range }
     }
 
     /// Limits of x, y, z that are shown.

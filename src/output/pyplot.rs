@@ -2,6 +2,7 @@
 
 use super::canvas::{Anchor, Canvas, Colour, Mark};
 use super::frame::{self, Frame, MARGIN};
+use super::share::{Rows, Share};
 use super::{BuildDump, Dump, DumpTarget, Snapshot, file, number};
 use crate::fault::Fault;
 use crate::fix::GroupKind;
@@ -60,45 +61,71 @@ impl Dump for Picture {
         plan.node_places = true;
     }
 
-    fn shows_nodes(&self) -> bool {
-        true
-    }
-
     fn write(&mut self, snapshot: &Snapshot<'_>) -> Result<Vec<String>, Fault> {
         let path = PathBuf::from(self.pattern.replace('*', &snapshot.step.to_string()));
-        file::write_whole(&path, &draw(snapshot, self.width, self.height).encode(&path))?;
+        let canvas = draw(snapshot, self.width, self.height);
+        if snapshot.world.ranks.is_first() {
+            file::write_whole(&path, &canvas.encode(&path))?;
+        }
         Ok(vec![self.pattern.clone()])
     }
 }
 
-/// The picture of a snapshot.
+/// The picture of a snapshot, in the first process.
 fn draw(snapshot: &Snapshot<'_>, width: u32, height: u32) -> Canvas {
     let world = snapshot.world;
     let limits = frame::limits(&world.domain);
     let frame = Frame::new(limits, f64::from(width), f64::from(height));
     let mut canvas = Canvas::new(width, height);
     crosses(&mut canvas, &frame, world);
-    // Storage changes as particles move; a picture does not.
-    let mut order: Vec<usize> = (0..world.particles.len()).collect();
-    order.sort_unstable_by_key(|p| world.particles.id[*p]);
-    for solid in 0..world.solids.len() {
-        let of_solid = |p: &usize| world.particles.solid[*p] as usize == solid;
-        let place = |p: usize| {
-            let [x, y, ..] = world.particles.position[p];
-            frame.pixel(x, y)
-        };
-        let centres = order.iter().copied().filter(of_solid).map(place).collect();
-        let spacing = world.solids[solid].cells.cell / world.solids[solid].particles_per_cell;
-        let radius = (0.4 * spacing * frame.scale).clamp(0.5, 20.0) as f32;
-        canvas.marks.push(Mark::Dots { centres, radius, colour: Colour::of(solid) });
-    }
-    outlines(&mut canvas, &frame, world, &order);
+    dots(&mut canvas, &frame, world);
     frame.axes(&mut canvas);
     let title = format!("t = {}", number::brief(snapshot.time));
     canvas.text([0.5 * width as f32, 0.5 * MARGIN as f32], 16.0, Anchor::Middle, title);
     canvas
 }
 
+/// All particles, by id: storage changes as particles move; a picture does not.
+fn dots(canvas: &mut Canvas, frame: &Frame, world: &World) {
+    let particles = &world.particles;
+    let edges = match world.method.shape {
+        ShapeKind::Corners(kind) => kind.edges(world.domain.dimension),
+        _ => &[],
+    };
+    let corners = edges.iter().flatten().max().map_or(0, |last| last + 1);
+    let counted: Vec<usize> = particles.counted().collect();
+    let domains: Vec<Vec<[f64; 3]>> = match corners {
+        0 => Vec::new(),
+        _ => counted.iter().map(|p| world.corners(*p)).collect(),
+    };
+    // Of each particle its solid, its place and the corners of its domain.
+    let number = |row: usize, column: usize| match column {
+        0 => f64::from(particles.solid[counted[row]]),
+        1 | 2 => particles.position[counted[row]][column - 1],
+        _ => domains[row][(column - 3) / 2][(column - 3) % 2],
+    };
+    let keys: Vec<u64> = counted.iter().map(|p| u64::from(particles.id[*p])).collect();
+    let rows = Rows::deal(&world.ranks, &Share::to_first(), &keys, 3 + 2 * corners, number);
+    let order: Vec<usize> = rows.order().into_iter().map(|row| row as usize).collect();
+    let pixel = |row: usize, column: usize| {
+        frame.pixel(rows.number(row, column), rows.number(row, column + 1))
+    };
+    for (number, solid) in world.solids.iter().enumerate() {
+        let of_solid = |row: &usize| rows.number(*row, 0) as usize == number;
+        let centres = order.iter().copied().filter(of_solid).map(|row| pixel(row, 1)).collect();
+        let spacing = solid.cells.cell / solid.particles_per_cell;
+        let radius = (0.4 * spacing * frame.scale).clamp(0.5, 20.0) as f32;
+        canvas.marks.push(Mark::Dots { centres, radius, colour: Colour::of(number) });
+    }
+    if let ShapeKind::Corners(_) = world.method.shape {
+        let of_edge =
+            |row: usize| edges.iter().map(move |edge| edge.map(|c| pixel(row, 3 + 2 * c)));
+        let segments = order.into_iter().flat_map(of_edge).collect();
+        canvas.marks.push(Mark::Lines { segments, width: 0.5, colour: Colour::BLACK });
+    }
+}
+
+/// All nodes of the lowest layer that particles reach.
 fn crosses(canvas: &mut Canvas, frame: &Frame, world: &World) {
     const ARM: f32 = 2.0;
     // Lattices of contact lie on one another.
@@ -109,13 +136,19 @@ fn crosses(canvas: &mut Canvas, frame: &Frame, world: &World) {
         return;
     }
     let mut segments = Vec::new();
-    for lattice in lattices {
+    for (number, lattice) in lattices.iter().enumerate() {
+        let moved = moved_nodes(world, number);
+        let key = |row: &u32| moved.key(*row as usize);
+        let order = moved.order();
         for i in 0..lattice.nodes[0] {
             for j in 0..lattice.nodes[1] {
-                let node = [i, j, lattice.window.lower[2]];
-                let [x, y, _] = match lattice.window.local(node) {
-                    Some(local) => world.grid.places().of(local).0,
-                    None => lattice.place(node),
+                let known = order.binary_search_by_key(&node_key([i, j, 0]), key);
+                let [x, y] = match known.map(|place| order[place] as usize) {
+                    Ok(row) => [0, 1].map(|axis| moved.number(row, axis)),
+                    Err(_) => {
+                        let [x, y, _] = lattice.place([i, j, 0]);
+                        [x, y]
+                    }
                 };
                 let [x, y] = frame.pixel(x, y);
                 segments.push([[x - ARM, y], [x + ARM, y]]);
@@ -126,15 +159,26 @@ fn crosses(canvas: &mut Canvas, frame: &Frame, world: &World) {
     canvas.marks.push(Mark::Lines { segments, width: 0.7, colour: Colour::GREY });
 }
 
-/// The edges of the domains of particles (CPDI).
-fn outlines(canvas: &mut Canvas, frame: &Frame, world: &World, order: &[usize]) {
-    let ShapeKind::Corners(kind) = world.method.shape else { return };
-    let edges = kind.edges(world.domain.dimension);
-    let mut segments = Vec::new();
-    for p in order {
-        let corners = world.corners(*p);
-        let pixel = |c: usize| frame.pixel(corners[c][0], corners[c][1]);
-        segments.extend(edges.iter().map(|[from, to]| [pixel(*from), pixel(*to)]));
-    }
-    canvas.marks.push(Mark::Lines { segments, width: 0.5, colour: Colour::BLACK });
+/// Key of a node of a layer.
+fn node_key([i, j, _]: [usize; 3]) -> u64 {
+    (i as u64) << 32 | j as u64
+}
+
+/// Current places of the nodes of a lattice that are not where they were, in the first process: those
+/// of the lowest layer that particles reach.
+fn moved_nodes(world: &World, number: usize) -> Rows {
+    let grid = &world.grid;
+    let window = grid.lattices[number].window;
+    let of_lattice = |place: &usize| window.places().contains(place) && grid.counts(*place);
+    let active = || grid.runs.iter().cloned().flatten().filter(of_lattice);
+    let heights = active().map(|place| -(window.node(place)[2] as f64));
+    let [lowest] = world.ranks.largest([heights.fold(f64::NEG_INFINITY, f64::max)]);
+    let lowest = |place: &usize| -(window.node(*place)[2] as f64) == lowest;
+    let layer: Vec<usize> = match world.method.total {
+        true => active().filter(lowest).collect(),
+        false => Vec::new(),
+    };
+    let keys: Vec<u64> = layer.iter().map(|place| node_key(window.node(*place))).collect();
+    let number = |row: usize, axis: usize| grid.places().of(layer[row]).0[axis];
+    Rows::deal(&world.ranks, &Share::to_first(), &keys, 2, number)
 }

@@ -269,11 +269,6 @@ impl Outputs {
         self.dumps.iter().any(|entry| entry.due(step))
     }
 
-    /// Is a dump due that shows nodes?
-    pub fn nodes_are_due(&self, step: u64) -> bool {
-        self.dumps.iter().any(|entry| entry.due(step) && entry.dump.shows_nodes())
-    }
-
     fn row_due(&self, step: u64, last: bool) -> bool {
         let first = self.run.is_some_and(|(_, start)| step == start);
         let regular = if self.interval == 0 { first } else { step.is_multiple_of(self.interval) };
@@ -311,14 +306,16 @@ impl Outputs {
         last: bool,
     ) -> Result<(), Fault> {
         let step = snapshot.step;
+        let mut result = Ok(());
         for entry in self.dumps.iter_mut().filter(|entry| entry.due(step)) {
             entry.last = Some(step);
-            if !self.mute {
-                for name in entry.dump.write(snapshot)? {
-                    note(&mut self.written, name);
-                }
+            match entry.dump.write(snapshot) {
+                Ok(names) => names.into_iter().for_each(|name| note(&mut self.written, name)),
+                // The other processes know of no fault yet and go on.
+                Err(fault) => result = result.and(Err(fault)),
             }
         }
+        result?;
         for curve in self.curves.iter_mut().filter(|curve| curve.due(step, last)) {
             curve.points.push([curve.x.1.value(board, now), curve.y.1.value(board, now)]);
             curve.last = Some(step);

@@ -1,9 +1,12 @@
 //! The files of a dump: one per snapshot, or one that grows.
 
+use super::file::Writer;
+use super::joint::Joint;
 use super::lammps::Table;
-use super::{file, gzip, vtk};
+use super::{file, vtk};
 use crate::fault::Fault;
 use crate::model::checkpoint::Checkpoint;
+use crate::parallel::Ranks;
 use std::path::{Path, PathBuf};
 
 /// How a snapshot is stored.
@@ -39,37 +42,53 @@ impl Series {
         Self { pattern: pattern.to_string(), format, length: 0, files, times }
     }
 
+    /// Do its files have places apart from the columns?
+    pub fn has_points(&self) -> bool {
+        self.format == Format::Vtk
+    }
+
     /// Writes a snapshot, each table in a file; gives the names of the files, `*` for the step. Only
-    /// ParaView's may be several.
+    /// ParaView's may be several. All processes do so together, each with its rows.
     ///
     /// # Errors
-    /// The path and the system's reason.
-    pub fn write(&mut self, tables: &[Table<'_>]) -> Result<Vec<String>, Fault> {
+    /// In the first process, the path and the system's reason of the first file that failed.
+    pub fn write(&mut self, ranks: &Ranks, tables: &[Table<'_>]) -> Result<Vec<String>, Fault> {
         let mut names = Vec::new();
+        let mut result = Ok(());
         for (number, table) in tables.iter().enumerate() {
-            let bytes = match self.format {
-                Format::Text => table.text(),
-                Format::Gzip => gzip::compress(&table.text()),
-                Format::Binary => table.binary(),
-                Format::Vtk => vtk::encode(table),
-            };
             let part = if tables.len() > 1 { number as u64 + 1 } else { 0 };
-            let path = PathBuf::from(self.name(&table.step.to_string(), part));
-            if self.pattern.contains('*') || self.format == Format::Vtk {
-                file::write_whole(&path, &bytes)?;
-            } else {
-                self.length = file::grow(Path::new(&path), &bytes, self.length)?;
-            }
+            result = result.and(self.write_file(ranks, table, part));
             if self.format == Format::Vtk {
                 self.files.push([table.step, part]);
                 self.times.push(table.time);
             }
             names.push(self.name("*", part));
         }
+        result?;
         if self.format == Format::Vtk && self.pattern.contains('*') {
-            names.push(self.write_index()?);
+            names.push(self.write_index(ranks)?);
         }
         Ok(names)
+    }
+
+    fn write_file(&mut self, ranks: &Ranks, table: &Table<'_>, part: u64) -> Result<(), Fault> {
+        let path = PathBuf::from(self.name(&table.step.to_string(), part));
+        let grows = !self.pattern.contains('*') && self.format != Format::Vtk;
+        let mut file = Joint::new(ranks, || match grows {
+            true => Writer::growing(&path, self.length),
+            false => Writer::whole(&path),
+        });
+        match self.format {
+            Format::Text => table.write_text(&mut file),
+            Format::Gzip => table.write_gzip(&mut file),
+            Format::Binary => table.write_binary(&mut file),
+            Format::Vtk => vtk::write(table, &mut file),
+        }
+        let length = file.finish()?;
+        if grows {
+            self.length = length;
+        }
+        Ok(())
     }
 
     /// The name of a file; parts count from 1, 0 is the only one.
@@ -83,7 +102,7 @@ impl Series {
     }
 
     /// The list of all files with their times: the pattern without `*`, then `.pvd`.
-    fn write_index(&self) -> Result<String, Fault> {
+    fn write_index(&self, ranks: &Ranks) -> Result<String, Fault> {
         let index = self.pattern.replace(".*.", ".").replace('*', "") + ".pvd";
         let entry = |([step, part], time): (&[u64; 2], &f64)| {
             let name = PathBuf::from(self.name(&step.to_string(), *part));
@@ -91,7 +110,9 @@ impl Series {
             (*time, part.saturating_sub(1), name)
         };
         let entries: Vec<_> = self.files.iter().zip(&self.times).map(entry).collect();
-        file::write_whole(Path::new(&index), &vtk::index(&entries))?;
+        if ranks.is_first() {
+            file::write_whole(Path::new(&index), &vtk::index(&entries))?;
+        }
         Ok(index)
     }
 
@@ -111,7 +132,7 @@ impl Series {
 
 #[cfg(test)]
 mod tests {
-    use super::super::lammps::tests::{names, two_rows};
+    use super::super::lammps::tests::{bytes, names, two_rows};
     use super::*;
 
     #[test]
@@ -120,14 +141,17 @@ mod tests {
         let names = names();
         let table = [two_rows(&names, &[1, 0])];
         let pattern = directory.path().join("d.*.txt");
-        let names = Series::new(&pattern.to_string_lossy(), Format::Text).write(&table).unwrap();
+        let ranks = Ranks::default();
+        let mut series = Series::new(&pattern.to_string_lossy(), Format::Text);
+        let names = series.write(&ranks, &table).unwrap();
         assert!(names.len() == 1 && names[0].ends_with("d.*.txt"));
         assert!(directory.path().join("d.50.txt").exists());
         let name = directory.path().join("all.txt");
         let mut series = Series::new(&name.to_string_lossy(), Format::Text);
-        series.write(&table).unwrap();
-        series.write(&table).unwrap();
-        assert_eq!(std::fs::read(&name).unwrap().len(), 2 * table[0].text().len());
+        series.write(&ranks, &table).unwrap();
+        series.write(&ranks, &table).unwrap();
+        let once = bytes(|file| table[0].write_text(file));
+        assert_eq!(std::fs::read(&name).unwrap(), [&once[..], &once].concat());
     }
 
     #[test]
@@ -137,7 +161,7 @@ mod tests {
         let pattern = directory.path().join("d&.*.vtp").to_string_lossy().into_owned();
         let mut series = Series::new(&pattern, Format::Vtk);
         let tables = [two_rows(&names, &[1, 0]), two_rows(&names, &[0])];
-        let written = series.write(&tables).unwrap();
+        let written = series.write(&Ranks::default(), &tables).unwrap();
         for (written, name) in written.iter().zip(["d&.*.1.vtp", "d&.*.2.vtp", "d&.vtp.pvd"]) {
             assert!(written.ends_with(name), "{written}");
         }

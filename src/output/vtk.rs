@@ -3,9 +3,10 @@
 //! XML that says what there is, then all numbers in one block, little endian, each array behind the
 //! number of its bytes (appended raw, header UInt64).
 
+use super::joint::Joint;
 use super::lammps::Table;
 use super::{SOFTWARE, number};
-use std::fmt::Write;
+use std::fmt::Write as _;
 
 /// Scalar columns that become one array, in VTK's order of components.
 const TUPLES: [(&str, &[&str]); 10] = [
@@ -50,31 +51,37 @@ fn escaped(text: &str) -> String {
 }
 
 /// The block of numbers, and the XML that describes its arrays.
-#[derive(Default)]
-struct Arrays {
-    data: Vec<u8>,
+struct Arrays<'a> {
+    table: &'a Table<'a>,
+    /// Bytes of each array in all processes, and those of this one.
+    data: Vec<(u64, Vec<u8>)>,
+    /// Where the next array begins.
+    offset: u64,
 }
 
-impl Arrays {
-    /// Adds an array; gives its element.
-    fn add(&mut self, attributes: &str, bytes: usize, put: impl FnOnce(&mut Vec<u8>)) -> String {
-        let offset = self.data.len();
-        self.data.extend((bytes as u64).to_le_bytes());
-        put(&mut self.data);
-        debug_assert_eq!(self.data.len(), offset + 8 + bytes);
+impl Arrays<'_> {
+    /// Adds an array of `width` numbers of 8 bytes for each row; gives its element.
+    fn add(&mut self, attributes: &str, width: usize, put: impl FnOnce(&mut Vec<u8>)) -> String {
+        let (rows, offset) = (self.table.order.len(), self.offset);
+        let mut own = Vec::with_capacity(8 * width * rows);
+        put(&mut own);
+        debug_assert_eq!(own.len(), 8 * width * rows);
+        let bytes = (8 * width * self.table.part.all) as u64;
+        self.data.push((bytes, own));
+        self.offset += 8 + bytes;
         format!("<DataArray {attributes} format=\"appended\" offset=\"{offset}\"/>\n")
     }
 
     /// An array of whole numbers.
-    fn integers(&mut self, name: &str, values: impl ExactSizeIterator<Item = i64>) -> String {
-        let attributes = format!("type=\"Int64\" Name=\"{name}\"");
-        self.add(&attributes, 8 * values.len(), |data| {
+    fn integers(&mut self, name: &str, values: impl Iterator<Item = i64>) -> String {
+        self.add(&format!("type=\"Int64\" Name=\"{name}\""), 1, |data| {
             values.for_each(|value| data.extend(value.to_le_bytes()));
         })
     }
 
     /// An array of the columns of a table; several are its components.
-    fn columns(&mut self, table: &Table<'_>, name: &str, columns: &[usize]) -> String {
+    fn columns(&mut self, name: &str, columns: &[usize]) -> String {
+        let table = self.table;
         let mut attributes = format!(
             "type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{}\"",
             escaped(name),
@@ -86,7 +93,7 @@ impl Arrays {
                 let _ = write!(attributes, " ComponentName{component}=\"{name}\"");
             }
         }
-        self.add(&attributes, 8 * columns.len() * table.order.len(), |data| {
+        self.add(&attributes, columns.len(), |data| {
             for place in table.order {
                 for column in columns {
                     data.extend(table.values[*column].at(*place as usize).to_le_bytes());
@@ -118,20 +125,20 @@ fn arrays_of(names: &[String]) -> Vec<(String, Vec<usize>)> {
     arrays
 }
 
-/// The snapshot as `.vti` if its rows are the nodes of a lattice, otherwise as `.vtp`.
-pub fn encode(table: &Table<'_>) -> Vec<u8> {
-    let mut arrays = Arrays::default();
+/// Writes the snapshot as `.vti` if its rows are the nodes of a lattice, otherwise as `.vtp`.
+pub fn write(table: &Table<'_>, file: &mut Joint<'_>) {
+    let mut arrays = Arrays { table, data: Vec::new(), offset: 0 };
     let mut fields = String::from("<PointData>\n");
     let ids = table.order.iter().map(|place| (table.id)(*place as usize) as i64);
     fields += &arrays.integers("id", ids);
     let types = table.order.iter().map(|place| (table.kind)(*place as usize) as i64);
     fields += &arrays.integers("type", types);
     for (name, columns) in arrays_of(table.names) {
-        fields += &arrays.columns(table, &name, &columns);
+        fields += &arrays.columns(&name, &columns);
     }
     fields += "</PointData>\n";
     let (kind, attributes, piece, geometry) = match table.lattice {
-        None => points(table, &mut arrays),
+        None => points(&mut arrays),
         Some(lattice) => {
             let extent = lattice.nodes.map(|count| format!("0 {}", count - 1)).join(" ");
             let origin = lattice.place([0; 3]).map(number::text).join(" ");
@@ -158,26 +165,28 @@ pub fn encode(table: &Table<'_>) -> Vec<u8> {
         "</FieldData>\n<Piece {piece}>\n{fields}{geometry}</Piece>\n</{kind}>\n\
          <AppendedData encoding=\"raw\">\n_"
     );
-    let mut bytes = text.into_bytes();
-    bytes.append(&mut arrays.data);
-    bytes.extend_from_slice(b"\n</AppendedData>\n</VTKFile>\n");
-    bytes
+    file.put(text.as_bytes());
+    for (bytes, own) in arrays.data {
+        file.put(&bytes.to_le_bytes());
+        file.put_all(&[own]);
+    }
+    file.put(b"\n</AppendedData>\n</VTKFile>\n");
 }
 
 /// What `.vtp` has besides the arrays: places, and a vertex at each, which filters and surfaces need.
-fn points(table: &Table<'_>, arrays: &mut Arrays) -> (&'static str, String, String, String) {
-    let count = table.order.len();
-    let places = arrays.add(
-        "type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"",
-        24 * count,
-        |data| {
-            let point = |place: &u32| (table.point)(*place as usize);
-            table.order.iter().flat_map(point).for_each(|x| data.extend(x.to_le_bytes()));
-        },
-    );
-    let vertices = arrays.integers("connectivity", (0..count).map(|index| index as i64));
-    let ends = arrays.integers("offsets", (0..count).map(|index| index as i64 + 1));
+fn points(arrays: &mut Arrays<'_>) -> (&'static str, String, String, String) {
+    let table = arrays.table;
+    let attributes = "type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"";
+    let places = arrays.add(attributes, 3, |data| {
+        let point = |place: &u32| (table.point)(*place as usize);
+        table.order.iter().flat_map(point).for_each(|x| data.extend(x.to_le_bytes()));
+    });
+    let first = table.part.before as i64;
+    let rows = first..first + table.order.len() as i64;
+    let vertices = arrays.integers("connectivity", rows.clone());
+    let ends = arrays.integers("offsets", rows.map(|row| row + 1));
     let geometry = format!("<Points>\n{places}</Points>\n<Verts>\n{vertices}{ends}</Verts>\n");
+    let count = table.part.all;
     let piece = format!("NumberOfPoints=\"{count}\" NumberOfVerts=\"{count}\"");
     ("PolyData", String::new(), piece, geometry)
 }
@@ -198,7 +207,7 @@ pub fn index(entries: &[(f64, u64, String)]) -> Vec<u8> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::lammps::tests::two_rows;
+    use super::super::lammps::tests::{bytes, two_rows};
     use super::*;
 
     #[test]
@@ -219,7 +228,7 @@ mod tests {
     #[test]
     fn every_array_lies_where_its_offset_says() {
         let names = ["vx", "vy", "T"].map(str::to_string).to_vec();
-        let bytes = encode(&two_rows(&names, &[1, 0]));
+        let bytes = bytes(|file| write(&two_rows(&names, &[1, 0]), file));
         let mark = b"encoding=\"raw\">\n_";
         let start = bytes.windows(mark.len()).position(|part| part == mark).unwrap() + mark.len();
         let text = String::from_utf8_lossy(&bytes[..start]).into_owned();

@@ -16,6 +16,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Bytes of one message at most: MPI counts in 31 bits.
 const LARGEST: usize = 1 << 30;
 
+/// Bytes of one message at most that process 0 takes in turn.
+const PIECE: usize = 1 << 22;
+
 /// Starts message passing; it ends when the universe is dropped. `None` if MPI will not start.
 pub fn start() -> Option<(Universe, Ranks)> {
     let (universe, _) = mpi::initialize_with_threading(Threading::Funneled)?;
@@ -110,6 +113,29 @@ impl Exchange for Messages {
             all.push(letter);
         }
         all
+    }
+
+    fn collect(&self, parts: &[Vec<u8>], take: &mut dyn FnMut(&[u8])) {
+        let world = world();
+        let root = world.process_at_rank(0);
+        let pieces = parts.iter().flat_map(|part| part.chunks(PIECE));
+        let count = pieces.clone().count() as u64;
+        if self.rank != 0 {
+            root.gather_into(&count);
+            pieces.for_each(|piece| root.send(piece));
+            return;
+        }
+        let mut counts = vec![0u64; self.size];
+        root.gather_into_root(&count, &mut counts[..]);
+        pieces.for_each(&mut *take);
+        let mut room = vec![0; if counts[1..].iter().any(|count| *count > 0) { PIECE } else { 0 }];
+        for (rank, count) in counts.iter().enumerate().skip(1) {
+            let process = world.process_at_rank(rank as i32);
+            for _ in 0..*count {
+                let status = process.receive_into(&mut room[..]);
+                take(&room[..status.count(u8::equivalent_datatype()) as usize]);
+            }
+        }
     }
 
     fn share(&self, numbers: &[f64]) -> Vec<f64> {

@@ -1,7 +1,7 @@
 //! The loop over time steps.
 
 use super::progress::{JOINED, Progress};
-use super::{Simulation, Until, fill, whole};
+use super::{Simulation, Until, fill};
 use crate::compute::energy::{kinetic_energy, strain_energy};
 use crate::fault::Fault;
 use crate::interrupt;
@@ -527,12 +527,8 @@ impl Simulation {
             _ => (self.clock.dt, self.bound.unwrap_or(next.limit)),
         };
         let now = Instant { time: self.clock.time, dt, step: self.clock.step };
-        let whole = match self.outputs.dump_is_due(self.clock.step) {
-            true => whole::gather(&mut self.world, self.outputs.nodes_are_due(self.clock.step)),
-            false => None,
-        };
-        let world = whole.as_ref().unwrap_or(&self.world);
-        let snapshot = Snapshot { step: self.clock.step, time: self.clock.time, world };
+        let (step, time, world) = (self.clock.step, self.clock.time, &self.world);
+        let snapshot = Snapshot { step, time, world };
         self.outputs.write(&snapshot, &self.board, &now, limit.name(), last)
     }
 }
