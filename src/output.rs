@@ -10,6 +10,7 @@ pub mod gzip;
 pub mod joint;
 pub mod lammps;
 pub mod log;
+pub mod mosaic;
 pub mod nodes;
 pub mod number;
 pub mod particle;

@@ -106,13 +106,18 @@ impl Map {
     }
 }
 
-/// Smallest and largest number; a little room if there is none between them.
-pub fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+/// Smallest and largest number; infinite without numbers.
+pub fn limits(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for value in values.filter(|value| value.is_finite()) {
         low = low.min(value);
         high = high.max(value);
     }
+    [low, high]
+}
+
+/// The range between limits; a little room if there is none between them.
+pub fn range([low, high]: [f64; 2]) -> [f64; 2] {
     match (low <= high, high > low) {
         (false, _) => [0.0, 1.0],
         (true, true) => [low, high],
@@ -141,10 +146,11 @@ mod tests {
 
     #[test]
     fn a_range_is_never_empty() {
-        assert_eq!(range([3.0, f64::NAN, -1.0, f64::INFINITY].into_iter()), [-1.0, 3.0]);
-        assert_eq!(range([].into_iter()), [0.0, 1.0]);
-        assert_eq!(range([0.0].into_iter()), [-1.0, 1.0]);
-        let [low, high] = range([200.0].into_iter());
+        let range = |values: &[f64]| range(limits(values.iter().copied()));
+        assert_eq!(range(&[3.0, f64::NAN, -1.0, f64::INFINITY]), [-1.0, 3.0]);
+        assert_eq!(range(&[]), [0.0, 1.0]);
+        assert_eq!(range(&[0.0]), [-1.0, 1.0]);
+        let [low, high] = range(&[200.0]);
         assert!(low < 200.0 && 200.0 < high);
     }
 }

@@ -6,9 +6,8 @@ use super::canvas::{Anchor, Canvas, Colour, Mark, round_step};
 use super::colours::{self, MAPS, Map};
 use super::field::{self, Columns, Field};
 use super::frame::{self, Frame, MARGIN};
-use super::raster::{Ball, Drawing};
-use super::share::{Rows, Share};
-use super::{BuildDump, Dump, DumpTarget, Snapshot, file, number};
+use super::raster::Ball;
+use super::{BuildDump, Dump, DumpTarget, Snapshot, file, mosaic, number};
 use crate::fault::Fault;
 use crate::fix::GroupKind;
 use crate::model::checkpoint::Checkpoint;
@@ -191,32 +190,35 @@ impl Dump for Picture {
             None => snapshot.step.to_string(),
         };
         let path = PathBuf::from(self.pattern.replace('*', &number));
-        let dots = self.dots(snapshot.world);
+        let canvas = self.draw(snapshot);
         if snapshot.world.ranks.is_first() {
-            file::write_whole(&path, &self.draw(snapshot, &dots).encode(&path))?;
+            file::write_whole(&path, &canvas.encode(&path))?;
         }
         Ok(vec![self.pattern.clone()])
     }
 }
 
-/// Particles that are shown, by ascending id, with their colours.
+/// Particles of this process that are shown, by ascending id, with their colours.
 struct Dots {
+    ids: Vec<u32>,
     places: Vec<[f64; 3]>,
     radii: Vec<f64>,
     colours: Vec<Colour>,
-    /// Limits of the numbers.
+    /// Limits of the numbers of all processes.
     range: [f64; 2],
 }
 
 impl Picture {
-    fn draw(&self, snapshot: &Snapshot<'_>, dots: &Dots) -> Canvas {
+    /// The picture, in the first process.
+    fn draw(&self, snapshot: &Snapshot<'_>) -> Canvas {
         let world = snapshot.world;
+        let dots = self.dots(world);
         let mut canvas = Canvas::new(self.size[0], self.size[1]);
         let [width, height] = self.size.map(f64::from);
         let room = [width - BAR, height];
         match world.domain.dimension {
-            3 => self.in_space(&mut canvas, world, dots, room),
-            _ => self.in_plane(&mut canvas, world, dots, room),
+            3 => self.in_space(&mut canvas, world, &dots, room),
+            _ => self.in_plane(&mut canvas, world, &dots, room),
         }
         let title = format!("t = {}", number::brief(snapshot.time));
         canvas.text([0.5 * room[0] as f32, 0.5 * MARGIN as f32], 16.0, Anchor::Middle, title);
@@ -230,7 +232,6 @@ impl Picture {
         canvas
     }
 
-    /// The dots of all processes, in the first one.
     fn dots(&self, world: &World) -> Dots {
         let particles = &world.particles;
         let inside = |p: &usize| match self.limits {
@@ -240,35 +241,34 @@ impl Picture {
             }
             None => true,
         };
-        let shown: Vec<usize> =
+        let mut order: Vec<usize> =
             particles.of_group(&world.groups, self.group).filter(inside).collect();
-        let values = match self.shown {
-            Shown::Solid => None,
-            Shown::Field(field) => Some(Columns::new(world).values(field)),
-        };
-        let number = |row: usize, column: usize| match (column, &values) {
-            (0..3, _) => world.place(shown[row])[column],
-            (3, _) => self.dots * field::radius(world, shown[row]),
-            (_, Some(values)) => values.at(shown[row]),
-            (_, None) => f64::from(particles.solid[shown[row]]),
-        };
-        let keys: Vec<u64> = shown.iter().map(|p| u64::from(particles.id[*p])).collect();
-        let rows = Rows::deal(&world.ranks, &Share::to_first(), &keys, 5, number);
-        let order = rows.order();
-        let rows = &rows;
-        let column =
-            |column: usize| order.iter().map(move |row| rows.number(*row as usize, column));
+        order.sort_unstable_by_key(|p| particles.id[*p]);
         let mut range = [0.0, 1.0];
         let colours = match self.shown {
-            Shown::Solid => column(4).map(|solid| Colour::of(solid as usize)).collect(),
-            Shown::Field(_) => {
-                range = self.range.unwrap_or_else(|| colours::range(column(4)));
+            Shown::Solid => {
+                order.iter().map(|p| Colour::of(particles.solid[*p] as usize)).collect()
+            }
+            Shown::Field(field) => {
+                let values = Columns::new(world).values(field);
+                let numbers = || order.iter().map(|p| values.at(*p));
+                range = self.range.unwrap_or_else(|| {
+                    let [low, high] = colours::limits(numbers());
+                    let [low, high] = world.ranks.largest([-low, high]);
+                    colours::range([-low, high])
+                });
                 let [low, high] = range;
-                column(4).map(|value| self.map.of((value - low) / (high - low))).collect()
+                numbers().map(|value| self.map.of((value - low) / (high - low))).collect()
             }
         };
-        let places = column(0).zip(column(1)).zip(column(2)).map(|((x, y), z)| [x, y, z]);
-        Dots { places: places.collect(), radii: column(3).collect(), colours, range }
+        let radius = |p: &usize| self.dots * field::radius(world, *p);
+        Dots {
+            ids: order.iter().map(|p| particles.id[*p]).collect(),
+            places: order.iter().map(|p| world.place(*p)).collect(),
+            radii: order.iter().map(radius).collect(),
+            colours,
+            range,
+        }
     }
 
     /// Limits of x, y, z that are shown.
@@ -293,8 +293,7 @@ impl Picture {
             let [x, y] = frame.place(place[0], place[1]);
             [x - corner[0], y - corner[1], 0.0]
         });
-        let mut drawing = Drawing::new(size[0], size[1]);
-        drawing.balls(&balls);
+        let (drawing, balls) = mosaic::draw(&world.ranks, size, &dots.ids, balls);
         let place = corner.map(|x| x as f32);
         canvas.marks.push(Mark::Image { place, raster: drawing.finish(&balls, false) });
         frame.axes(canvas);
@@ -306,7 +305,8 @@ impl Picture {
             std::array::from_fn(|axis| [low, high][corner >> axis & 1][axis])
         });
         let seen = corners.map(|corner| self.camera.seen(corner));
-        let bounds = |axis: usize| colours::range(seen.iter().map(|place| place[axis]));
+        let bounds =
+            |axis: usize| colours::range(colours::limits(seen.iter().map(|place| place[axis])));
         let ([left, right], [below, above]) = (bounds(0), bounds(1));
         let top = MARGIN;
         let frame = Frame::new([[left, below], [right, above]], room[0], room[1] - top);
@@ -317,8 +317,7 @@ impl Picture {
         };
         let balls = dots.balls(frame.scale, pixel);
         let size = [room[0].max(1.0) as usize, (room[1] - top).max(1.0) as usize];
-        let mut drawing = Drawing::new(size[0], size[1]);
-        drawing.balls(&balls);
+        let (mut drawing, balls) = mosaic::draw(&world.ranks, size, &dots.ids, balls);
         for (a, b) in (0..8).flat_map(|a| (0..3).map(move |axis| (a, a | 1 << axis))) {
             if a != b {
                 drawing.line(pixel(corners[a]), pixel(corners[b]));

@@ -104,6 +104,21 @@ impl Drawing {
         }
     }
 
+    /// Pixel, depth and number of the ball of all pixels that show one.
+    pub fn drawn(&self) -> impl Iterator<Item = (usize, f32, usize)> {
+        let pixels = self.depth.iter().zip(&self.what).enumerate();
+        let balls = pixels.filter(|(_, (_, what))| **what < LINE);
+        balls.map(|(pixel, (depth, what))| (pixel, *depth, *what as usize))
+    }
+
+    /// Puts a pixel of another drawing in its place; of balls equally near the first one is seen.
+    pub fn join(&mut self, pixel: usize, depth: f32, ball: u32) {
+        if depth == self.depth[pixel] {
+            self.what[pixel] = self.what[pixel].min(ball);
+        }
+        self.put(pixel, depth, ball);
+    }
+
     /// The pixels; balls in space are lit from the upper left, and darker where something near them
     /// stands out.
     pub fn finish(&self, balls: &[Ball], lit: bool) -> Raster {
