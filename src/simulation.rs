@@ -1,6 +1,7 @@
 //! Owns all parts of a simulation and runs it.
 
 mod agree;
+mod build;
 mod describe;
 pub mod fill;
 mod fracture;

@@ -299,6 +299,52 @@ fn bodies_may_be_added_cut_and_moved_between_runs() {
     }
 }
 
+/// Bodies of which each process builds a part, moved and cut before the first run.
+const PARTS: &str = "
+method(METHOD)
+dimension(2, 0, 40, 0, 40, 1)
+region(a, block, 3, 15, 3, 15)
+region(b, sphere, 27, 12, 7)
+region(c, block, 5, 12, 20, 34)
+region(hole, sphere, 8, 9, 3)
+region(half, block, 0, 20, 0, 12)
+region(ring, sphere, 20, 30, 40)
+material(m, neo-hookean, 1, 100, 0.3)
+solid(a, region, a, 2, m, 1)
+solid(b, region, b, 3, m, 1, 20)
+solid(c, region, c, 1, m, 1)
+translate_particles(a, region, a, 1, 0.5)
+translate_particles(b, region, half, -0.25, 0.125)
+delete_particles(a, region, hole)
+group(left, particles, region, half, solid, a, b)
+fix(throw, initial_velocity_particles, left, 2, 0.3)
+compute(Ek, kinetic_energy, all)
+compute(mean, average_velocity, all)
+log_modify(custom, step, dt, time, Ek, mean_x)
+set_output(5)
+dump(p, all, particle, 10, p.*.dump, x, y, x0, y0, vx, vy, s11, T, mass)
+dump(g, all, grid, 10, g.*.dump, x, y, vx, mass)
+run(20)
+";
+
+#[test]
+fn parts_of_bodies_make_the_bodies_of_one_process() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = folder.path().join("in.mpm");
+    for method in
+        ["ulmpm, FLIP, linear, 1", "tlmpm, FLIP, linear, 1", "ulcpdi, FLIP, linear, 1, R4"]
+    {
+        std::fs::write(&script, PARTS.replace("METHOD", method)).unwrap();
+        let one = play(&script, &[], 0);
+        assert!(one.len() > 6, "{:?}", one.keys());
+        for processes in [2, 3, 5] {
+            let other = play(&script, &[], processes);
+            let unlike = one.keys().filter(|file| one.get(*file) != other.get(*file));
+            assert_eq!(unlike.collect::<Vec<_>>(), Vec::<&String>::new(), "{method}, {processes}");
+        }
+    }
+}
+
 /// Dumps of all styles of a block of 17 thousand particles, 23 thousand nodes.
 const DUMPS: &str = "
 cells = 13

@@ -98,6 +98,18 @@ impl Deal {
         }
     }
 
+    /// Particles of each process whose tiles have been dealt out.
+    fn loads(&self, particles: &Particles, scene: &Scene<'_>, exchange: &dyn Exchange) -> Vec<i64> {
+        let known = |solid: &u16| {
+            !scene.total || scene.solids[*solid as usize].lattice < self.partitions.len()
+        };
+        let dealt = &particles.solid[..particles.len() - particles.undealt];
+        let mut loads = vec![0; exchange.size()];
+        loads[exchange.rank()] = dealt.iter().filter(|solid| known(solid)).count() as i64;
+        exchange.sum(&mut loads);
+        loads
+    }
+
     /// Deals tiles out, the first time or anew.
     fn divide(&mut self, particles: &Particles, scene: &Scene<'_>, exchange: &dyn Exchange) {
         let trees = if scene.total { scene.lattices.len() } else { 1 };
@@ -105,7 +117,7 @@ impl Deal {
             self.partitions.clear();
             self.side = scene.side;
         }
-        let mut loads = loads(particles, exchange);
+        let mut loads = self.loads(particles, scene, exchange);
         let fresh = particles.undealt > 0 && particles.undealt == particles.len();
         if !scene.total {
             let now = imbalance(&loads);
@@ -122,14 +134,6 @@ impl Deal {
             self.imbalance = imbalance(&loads);
         }
     }
-}
-
-/// Particles of each process that have been dealt out.
-fn loads(particles: &Particles, exchange: &dyn Exchange) -> Vec<i64> {
-    let mut loads = vec![0; exchange.size()];
-    loads[exchange.rank()] = (particles.len() - particles.undealt) as i64;
-    exchange.sum(&mut loads);
-    loads
 }
 
 /// Counts the particles of every tile of a lattice (`None`: of all), over all processes.

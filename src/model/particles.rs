@@ -40,8 +40,8 @@ pub struct Particles {
     pub masks: Vec<Vec<u64>>,
     /// The columns that exist.
     pub present: ColumnSet,
-    /// Particles at the end of the table that every process still has: those placed since the last
-    /// sort dealt particles out.
+    /// Particles at the end of the table that every process still has: those read from a restart
+    /// file, until a sort deals them out.
     pub undealt: usize,
     /// Another process counts those.
     pub counted_elsewhere: bool,
@@ -163,7 +163,6 @@ impl Particles {
         self.velocity.push([0.0, 0.0, 0.0, volume]);
         self.displacement.push([0.0; 4]);
         self.id.push(id);
-        self.undealt += 1;
         self.solid.push(solid);
         for words in &mut self.masks {
             words.push(0);

@@ -38,25 +38,16 @@ impl Filling {
         domain: &Domain,
         mut each: impl FnMut([f64; 3], f64) -> ControlFlow<T>,
     ) -> ControlFlow<T> {
-        self.visit_corners(domain, |place, volume, _| each(place, volume))
-    }
-
-    /// The same with the corners of the element of each particle, none where there is no element.
-    pub fn visit_corners<T>(
-        &self,
-        domain: &Domain,
-        mut each: impl FnMut([f64; 3], f64, &[[f64; 3]]) -> ControlFlow<T>,
-    ) -> ControlFlow<T> {
         match self {
             Filling::Region { region, particles_per_cell, even } => {
                 let volume = volume(domain, *particles_per_cell);
                 let offsets = offsets(*particles_per_cell, *even);
-                visit(domain, region.as_ref(), &offsets, |place| each(place, volume, &[]))
+                visit(domain, region.as_ref(), &offsets, |place| each(place, volume))
             }
             Filling::Points(points) => {
-                for (number, point) in points.list.iter().enumerate() {
+                for point in &points.list {
                     if domain.contains(point.place) {
-                        each(point.place, point.volume, points.corners_of(number))?;
+                        each(point.place, point.volume)?;
                     }
                 }
                 ControlFlow::Continue(())
@@ -106,13 +97,24 @@ pub fn touched(domain: &Domain, bounds: &Bounds, extra: usize) -> [RangeInclusiv
     })
 }
 
-/// Visits the places of the particles that would fill a region, with these offsets in cells, in the order of their ids, until
-/// told to stop.
+/// Visits the places of the particles that would fill a region, with these offsets in cells, in the
+/// order of their ids, until told to stop.
 pub fn visit<T>(
     domain: &Domain,
     region: &dyn Region,
     offsets: &[f64],
     mut visit: impl FnMut([f64; 3]) -> ControlFlow<T>,
+) -> ControlFlow<T> {
+    visit_cells(domain, region, offsets, touched(domain, &region.bounds(), 0), &mut visit)
+}
+
+/// The same in some cells, with the last axis fastest.
+pub fn visit_cells<T>(
+    domain: &Domain,
+    region: &dyn Region,
+    offsets: &[f64],
+    [across, along, up]: [RangeInclusive<usize>; 3],
+    visit: &mut impl FnMut([f64; 3]) -> ControlFlow<T>,
 ) -> ControlFlow<T> {
     let pattern = |axis: usize| {
         if axis < domain.dimension { offsets } else { &[0.0][..] }
@@ -124,7 +126,6 @@ pub fn visit<T>(
             0.0
         }
     };
-    let [across, along, up] = touched(domain, &region.bounds(), 0);
     for i in across {
         for j in along.clone() {
             for k in up.clone() {

@@ -1,6 +1,7 @@
 //! Building the scene: particles of solids, groups.
 
 use super::Simulation;
+use super::build::{Parcels, Source};
 use super::fill::{self, Filling, touched};
 use crate::fault::Fault;
 use crate::fix::components::{Components, of_particles};
@@ -29,11 +30,7 @@ use crate::script::history::History;
 use crate::time_step::Floor;
 use crate::transfer::{Transfer, TransferKind};
 use crate::world::{Solid, Spreading, World};
-use std::ops::ControlFlow;
 use std::sync::Arc;
-
-/// Takes a particle: its place, its volume and the corners of its element, if it has one.
-type Push<'a> = dyn FnMut([f64; 3], f64, &[[f64; 3]]) + 'a;
 
 /// An empty table with the columns that every particle has.
 fn no_particles(dimension: usize) -> Particles {
@@ -65,6 +62,22 @@ fn has_node(lattice: &Lattice, region: &dyn Region) -> bool {
             })
         })
     })
+}
+
+/// Lower and upper corner of a box that holds nothing.
+const NO_BOX: [[f64; 3]; 2] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+
+/// Makes a box hold a place too.
+fn widen([lower, upper]: &mut [[f64; 3]; 2], place: [f64; 3]) {
+    for axis in 0..3 {
+        lower[axis] = lower[axis].min(place[axis]);
+        upper[axis] = upper[axis].max(place[axis]);
+    }
+}
+
+/// The box around those of all processes.
+fn joined(ranks: &Ranks, [lower, upper]: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
+    [ranks.largest(lower.map(|x| -x)).map(|x| -x), ranks.largest(upper)]
 }
 
 impl Simulation {
@@ -124,7 +137,8 @@ impl Simulation {
         self.world.particles.counted_elsewhere = !self.world.ranks.is_first();
     }
 
-    /// Fills a region with particles on cells of the size of the grid's; gives their number.
+    /// Fills a region with particles on cells of the size of the grid's; gives the number of those that
+    /// this process has.
     pub fn add_solid(
         &mut self,
         name: &str,
@@ -137,8 +151,9 @@ impl Simulation {
         self.add_solid_of_cell(name, material, law, region, particles_per_cell, cell)
     }
 
-    /// Fills a region with particles (language.md 6.3); gives their number. In total Lagrangian
-    /// methods the region must be bounded, and `cell` is the cell size of the solid's own lattice.
+    /// Fills a region with particles (language.md 6.3); gives the number of those that this process
+    /// has. In total Lagrangian methods the region must be bounded, and `cell` is the cell size of the
+    /// solid's own lattice.
     pub fn add_solid_of_cell(
         &mut self,
         name: &str,
@@ -149,18 +164,13 @@ impl Simulation {
         cell: f64,
     ) -> usize {
         let domain = self.world.cells_between(&region.bounds(), cell);
-        let volume = fill::volume(&domain, particles_per_cell);
         let even = self.world.method.shape.has_domains();
-        let offsets = fill::offsets(particles_per_cell, even);
-        self.add_body(name, material, law, domain, particles_per_cell as f64, |push| {
-            let _: ControlFlow<()> = fill::visit(&domain, region, &offsets, |place| {
-                push(place, volume, &[]);
-                ControlFlow::Continue(())
-            });
-        })
+        let source = Source::of_region(region, &domain, particles_per_cell, even);
+        self.add_body(name, material, law, domain, particles_per_cell as f64, &source)
     }
 
-    /// Adds a solid from what its particles come from, on cells of size `cell`; gives their number.
+    /// Adds a solid from what its particles come from, on cells of size `cell`; gives the number of
+    /// those that this process has.
     pub fn add_filled_solid(
         &mut self,
         name: &str,
@@ -174,15 +184,11 @@ impl Simulation {
             Filling::Region { particles_per_cell, .. } => *particles_per_cell as f64,
             Filling::Points(points) => cell / points.spacing(domain.dimension),
         };
-        self.add_body(name, material, law, domain, particles_per_cell, |push| {
-            let _: ControlFlow<()> = filling.visit_corners(&domain, |place, volume, corners| {
-                push(place, volume, corners);
-                ControlFlow::Continue(())
-            });
-        })
+        let source = Source::of(filling, &domain);
+        self.add_body(name, material, law, domain, particles_per_cell, &source)
     }
 
-    /// Adds a solid whose particles `each` lists by place and volume.
+    /// Adds a solid with the particles of a source.
     fn add_body(
         &mut self,
         name: &str,
@@ -190,7 +196,7 @@ impl Simulation {
         law: Arc<dyn Law>,
         domain: Domain,
         particles_per_cell: f64,
-        each: impl FnOnce(&mut Push<'_>),
+        source: &Source<'_>,
     ) -> usize {
         let columns = self.world.columns_of(&*law);
         self.world.particles.require(columns);
@@ -209,32 +215,47 @@ impl Simulation {
         });
         self.world.assign_lattices();
         let number = self.world.solids.len() - 1;
-        let count = self.push_particles(number, each);
+        let count = self.push_particles(number, source);
         self.heat_solid(number, temperature);
         count
     }
 
-    /// Gives a solid the particles that `each` lists by place and volume; gives their number.
-    fn push_particles(&mut self, solid: usize, each: impl FnOnce(&mut Push<'_>)) -> usize {
+    /// Gives a solid the particles of a source; gives the number of those that this process has.
+    fn push_particles(&mut self, solid: usize, source: &Source<'_>) -> usize {
         let World { particles, solids, method, domain, ranks, .. } = &mut self.world;
+        let (dimension, cells) = (domain.dimension, &solids[solid].cells);
         let density = solids[solid].law.density();
         let values = solids[solid].law.initial_values();
-        let cell = solids[solid].cells.cell;
         let before = particles.len();
         let [last] = ranks.largest([f64::from(particles.id.iter().copied().max().unwrap_or(0))]);
+        // Nothing lies on the axis or behind it.
+        let volume = |place, area: f64| Some(area * method.girth(place)).filter(|v| *v > 0.0);
         let mut id = last as u32;
-        each(&mut |place, area, corners| {
-            let volume = area * method.girth(place);
-            // Nothing lies on the axis or behind it.
-            if volume > 0.0 {
-                id += 1;
-                particles.push(id, solid as u16, place, density * volume, volume);
-                let dimension = domain.dimension;
+        let mut push = |id: &mut u32, place, area, corners: &[[f64; 3]]| {
+            if let Some(volume) = volume(place, area) {
+                *id += 1;
+                particles.push(*id, solid as u16, place, density * volume, volume);
                 let half = 0.5 * fill::edge(area, dimension);
-                let records = method.shape.domain_of(dimension, place, corners, half, cell);
+                let records = method.shape.domain_of(dimension, place, corners, half, cells.cell);
                 particles.add_domains(method.shape.records(dimension), |_, _| records);
             }
-        });
+        };
+        let parcels = Parcels::new(source, cells, method.shape);
+        match ranks.exchange() {
+            None => (0..parcels.len()).for_each(|parcel| {
+                parcels
+                    .visit(parcel, &mut |place, area, corners| push(&mut id, place, area, corners));
+            }),
+            Some(exchange) => {
+                let exists = |place, area| volume(place, area).is_some();
+                for (parcel, earlier) in parcels.deal(exchange, before, exists) {
+                    let mut id = id + earlier as u32;
+                    parcels.visit(parcel, &mut |place, area, corners| {
+                        push(&mut id, place, area, corners);
+                    });
+                }
+            }
+        }
         for (column, value) in values {
             particles.column_mut(column)[before..].fill(value);
         }
@@ -246,9 +267,7 @@ impl Simulation {
         let keep: Vec<bool> =
             self.world.particles.solid.iter().map(|other| *other as usize != solid).collect();
         self.world.particles.retain(&keep);
-        self.push_particles(solid, |push| {
-            points.list.iter().for_each(|point| push(point.place, point.volume, &[]));
-        });
+        self.push_particles(solid, &Source::Points { points, cut: false });
         let dimension = self.world.domain.dimension;
         let body = &mut self.world.solids[solid];
         body.particles_per_cell = body.cells.cell / points.spacing(dimension);
@@ -287,12 +306,12 @@ impl Simulation {
             moves.push((p, by.map(Option::unwrap_or_default)));
         });
         ranks.agree(done.err(), &mut [])?;
-        // Of each solid the number of particles moved, and by how much if that is one for all.
-        let mut moved = vec![(0, None, true); solids.len()];
+        // Of each solid the number of particles moved, and the least and the most by which.
+        let mut moved = vec![(0, NO_BOX); solids.len()];
         for (p, by) in moves {
-            let (count, first, alike) = &mut moved[particles.solid[p] as usize];
+            let (count, limits) = &mut moved[particles.solid[p] as usize];
             *count += 1;
-            *alike &= *first.get_or_insert(by) == by;
+            widen(limits, by);
             let girth = method.girth(particles.reference_place(p));
             for (axis, column) in [Column::X0, Column::Y0, Column::Z0].into_iter().enumerate() {
                 particles.position[p][axis] += by[axis];
@@ -309,16 +328,21 @@ impl Simulation {
         if !method.total {
             return Ok(!ranks.any(!(0..particles.len()).all(|p| domain.contains(place(p)))));
         }
-        // Such bodies move before the first run only, while every process has all particles.
-        for (number, (solid, moved)) in solids.iter_mut().zip(moved).enumerate() {
-            let own = (0..particles.len()).filter(|p| particles.solid[*p] as usize == number);
-            match moved {
-                (count, Some(by), true) if count == own.clone().count() => solid.cells.shift(by),
-                _ => solid.cells.cover(own.map(place)),
+        // Such bodies move before the first run only.
+        for (number, (solid, (count, by))) in solids.iter_mut().zip(moved).enumerate() {
+            let own = particles.counted().filter(|p| particles.solid[*p] as usize == number);
+            let mut limits = NO_BOX;
+            own.clone().for_each(|p| widen(&mut limits, place(p)));
+            let [count, all] = ranks.count([count, own.count()]);
+            let [[least, most], limits] = [by, limits].map(|limits| joined(ranks, limits));
+            if all > 0 && count == all && least == most {
+                solid.cells.shift(most);
+            } else if all > 0 {
+                solid.cells.cover(limits.into_iter());
             }
             solid.cells.lower = method.lower_limits(solid.cells.lower);
         }
-        Ok((0..particles.len()).all(|p| method.girth(place(p)) > 0.0))
+        Ok(!ranks.any(!(0..particles.len()).all(|p| method.girth(place(p)) > 0.0)))
     }
 
     /// Removes the particles of a solid (`None`: of all) whose reference place is inside the region;
