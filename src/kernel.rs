@@ -40,6 +40,7 @@ pub mod survey;
 pub mod tensor;
 pub mod tiles;
 pub mod walls;
+pub mod work;
 
 /// Runs a generic kernel for the dimension and shape function of the scene:
 /// `by_kind!(d, shape, kernel, args...)` calls `kernel::<2, Tensor<4, Cubic>>(args...)` and so on.

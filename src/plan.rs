@@ -3,6 +3,36 @@
 use crate::model::column::ColumnSet;
 use crate::step::Stage;
 
+/// Bounds on the error of the energy ledger at the rows of the log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Alarm {
+    /// A larger one is warned about once.
+    pub warn_above: f64,
+    /// A larger one stops the run.
+    pub stop_above: f64,
+}
+
+impl Default for Alarm {
+    fn default() -> Self {
+        Self { warn_above: f64::INFINITY, stop_above: f64::INFINITY }
+    }
+}
+
+impl Alarm {
+    /// The bound that is reached first.
+    pub fn smaller(self) -> f64 {
+        self.warn_above.min(self.stop_above)
+    }
+
+    /// The bounds of both.
+    pub fn merged(self, other: Self) -> Self {
+        Self {
+            warn_above: self.warn_above.min(other.warn_above),
+            stop_above: self.stop_above.min(other.stop_above),
+        }
+    }
+}
+
 /// Effects that are on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Plan {
@@ -16,6 +46,8 @@ pub struct Plan {
     pub node_places: bool,
     /// Something reads the energy ledger.
     pub ledger: bool,
+    /// Bounds on the error of the energy ledger.
+    pub alarm: Alarm,
     /// A fix makes particles of two solids touch.
     pub contact: bool,
     /// The wave speed of each particle is needed (dt is adaptive).

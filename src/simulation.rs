@@ -1,6 +1,7 @@
 //! Owns all parts of a simulation and runs it.
 
 mod agree;
+mod alarm;
 mod build;
 mod describe;
 pub mod fill;
@@ -75,6 +76,8 @@ pub struct Simulation {
     /// What limited the step just done.
     bound: Option<Limit>,
     floor: Floor,
+    /// The run has been warned that its energy ledger does not close.
+    alarmed: bool,
     /// The run that the next one goes on with, unless something has changed since.
     progress: Option<Progress>,
     /// What has been performed, for restart files.

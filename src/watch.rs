@@ -95,3 +95,12 @@ pub fn all_gone(clock: &Clock) -> Fault {
     Fault::run(format!("every particle has left the box and was removed; {}", when(clock)))
         .because("make the box of `dimension` larger, or end the run earlier")
 }
+
+/// The energy ledger does not close.
+pub fn unbalanced(error: f64, residual: f64, limit: f64, clock: &Clock) -> Fault {
+    let what = format!(
+        "the energy ledger is off by {residual:.4e}, {error:.3e} of its largest term and more than {limit:e}; {}",
+        when(clock)
+    );
+    Fault::run(what).because("the time step is too large, or the motion too rough for the grid")
+}

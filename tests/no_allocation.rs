@@ -83,7 +83,7 @@ fn the_energy_ledger_allocates_no_more_in_longer_runs() {
     let transfer = Transfer::new(TransferKind::Flip, 0.99);
     for total in [false, true] {
         let mut simulation = disk(false, total, ShapeKind::Linear, transfer, &Musl);
-        simulation.add_compute("W", Box::new(EnergyLedger));
+        simulation.add_compute("W", Box::new(EnergyLedger::default()));
         allocations(&mut simulation, 10);
         let short = allocations(&mut simulation, 10);
         let long = allocations(&mut simulation, 100);
@@ -136,7 +136,7 @@ fn on_a_floor(rigid: bool, transfer: Transfer, scheme: &'static dyn Scheme) -> S
         force: Default::default(),
         heat: Default::default(),
     });
-    simulation.add_compute("W", Box::new(EnergyLedger));
+    simulation.add_compute("W", Box::new(EnergyLedger::default()));
     simulation
 }
 

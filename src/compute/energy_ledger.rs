@@ -2,14 +2,14 @@
 
 use super::{BuildCompute, Compute};
 use crate::fix::GroupKind;
-use crate::plan::Plan;
+use crate::plan::{Alarm, Plan};
 use crate::style::Style;
 use crate::world::World;
 
 /// The row of the table.
 pub const STYLE: Style<BuildCompute> = Style {
     name: "energy_ledger",
-    usage: "",
+    usage: "[warn_above, error] [, stop_above, error]",
     summary: "where the energy goes: kinetic, stored, lost, work put in [M L^2/T^2]",
     manual: "\
 Acts on `all`. Kept from the first run below it on; a scene without it pays nothing.
@@ -34,15 +34,32 @@ and with MLS under `musl`, w = (v + v*)/2). FLIP with alpha = 1 then gains that 
 digit. So the residual is the error of the time integration alone: the work of the stress on the
 particles less that of the internal forces on the nodes, taken in the middle of a step, to which
 velocities belong. It falls with dt: it is energy that moving particles over a grid makes or
-destroys, most with linear shapes. The columns of one row add up to it but for half the last step's work.",
-    build: Some(|_, target| {
+destroys, most with linear shapes. The columns of one row add up to it but for half the last step's work.
+`stop_above, error` ends the run at the first row of the log where |ID_error| is larger, naming step and
+residual (`watch(on)` then tries again with smaller steps); `warn_above, error` warns once in a run. In its
+first steps a run that starts from nothing has no term to compare with: let rows of the log lie some steps
+apart.",
+    build: Some(|args, target| {
         target.require("energy_ledger", &[GroupKind::All])?;
-        Ok(Box::new(EnergyLedger))
+        let mut alarm = Alarm::default();
+        while args.remaining() > 0 {
+            let word = args.choice("a bound", &["warn_above", "stop_above"])?;
+            let bound = args.positive("the largest ID_error")?.value;
+            match word {
+                0 => alarm.warn_above = bound,
+                _ => alarm.stop_above = bound,
+            }
+        }
+        Ok(Box::new(EnergyLedger { alarm }))
     }),
 };
 
 /// Reads the ledger of the world.
-pub struct EnergyLedger;
+#[derive(Default)]
+pub struct EnergyLedger {
+    /// Bounds on the error.
+    pub alarm: Alarm,
+}
 
 impl Compute for EnergyLedger {
     fn suffixes(&self) -> &'static [&'static str] {
@@ -65,6 +82,7 @@ impl Compute for EnergyLedger {
 
     fn needs(&self, plan: &mut Plan, _dimension: usize) {
         plan.ledger = true;
+        plan.alarm = plan.alarm.merged(self.alarm);
     }
 
     fn evaluate(&self, world: &World, out: &mut [f64]) {

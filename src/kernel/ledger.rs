@@ -1,32 +1,50 @@
-//! The loops of the energy ledger: over nodes around the update, over the chunks of a law.
+//! The loops of the energy ledger over nodes, around their update.
 
-use super::grid::inverse_mass;
-use crate::material::state::{DEFORMATION, STRESS, SYMMETRIC};
-use crate::material::{Chunk, Description, Lane, Law, NOTHING};
+use super::grid::{BLOCK, inverse_mass};
 use crate::math::exact_sum::ExactSum;
-use crate::math::tensor::Tensor;
-use crate::model::column::Column;
 use crate::model::contact::{Pair, Rule};
 use crate::model::grid::Grid;
-use crate::model::ledger::{Ledger, Notes, Share};
+use crate::model::ledger::{Ledger, Notes};
+use rayon::prelude::*;
 
-/// Takes momenta and internal forces: after P2G, before anything else acts on the nodes.
-pub fn note_internal(ledger: &mut Ledger, grid: &Grid) {
-    for node in grid.runs.iter().cloned().flatten() {
-        let notes = &mut ledger.nodes[node];
-        notes.momentum.copy_from_slice(&grid.nodes[node].motion[..3]);
-        notes.internal.copy_from_slice(&grid.nodes[node].change[..3]);
+/// Visits the notes of the active nodes, in parallel blocks if asked to.
+fn for_each_note(
+    notes: &mut [Notes],
+    grid: &Grid,
+    parallel: bool,
+    visit: impl Fn(usize, &mut Notes) + Sync,
+) {
+    let block = |(number, notes): (usize, &mut [Notes])| {
+        for run in &grid.runs[grid.first_run[number]..grid.first_run[number + 1]] {
+            for node in run.clone() {
+                visit(node, &mut notes[node - number * BLOCK]);
+            }
+        }
+    };
+    match parallel {
+        true => notes.par_chunks_mut(BLOCK).enumerate().for_each(block),
+        false => notes.chunks_mut(BLOCK).enumerate().for_each(block),
     }
 }
 
+/// Takes momenta and internal forces: after P2G, before anything else acts on the nodes.
+pub fn note_internal(ledger: &mut Ledger, grid: &Grid, parallel: bool) {
+    for_each_note(&mut ledger.nodes, grid, parallel, |node, notes| {
+        let node = &grid.nodes[node];
+        *notes = Notes::default();
+        notes.momentum.copy_from_slice(&node.motion[..3]);
+        notes.internal.copy_from_slice(&node.change[..3]);
+    });
+}
+
 /// Takes what has been added to the internal forces, less the forces of damping fixes.
-pub fn note_external(ledger: &mut Ledger, grid: &Grid) {
-    for node in grid.runs.iter().cloned().flatten() {
-        let (notes, total) = (&mut ledger.nodes[node], &grid.nodes[node].change);
+pub fn note_external(ledger: &mut Ledger, grid: &Grid, parallel: bool) {
+    for_each_note(&mut ledger.nodes, grid, parallel, |node, notes| {
+        let total = &grid.nodes[node].change;
         for axis in 0..3 {
             notes.external[axis] = total[axis] - notes.internal[axis] - notes.damping[axis];
         }
-    }
+    });
 }
 
 /// Takes the forces J/dt of bodies in contact, after they have met.
@@ -44,9 +62,9 @@ pub fn note_contact(ledger: &mut Ledger, grid: &mut Grid, dt: f64) {
 
 /// Takes the changes of the velocities, after the update and the prescribed velocities. Where a
 /// change is not that of the forces, velocities are prescribed.
-pub fn note_changes(ledger: &mut Ledger, grid: &Grid, dt: f64) {
-    for node in grid.runs.iter().cloned().flatten() {
-        let (notes, node) = (&mut ledger.nodes[node], &grid.nodes[node]);
+pub fn note_changes(ledger: &mut Ledger, grid: &Grid, parallel: bool, dt: f64) {
+    for_each_note(&mut ledger.nodes, grid, parallel, |node, notes| {
+        let node = &grid.nodes[node];
         let inverse = inverse_mass(node, grid.mass_cutoff);
         for axis in 0..3 {
             let (v, change) = (node.motion[axis], node.change[axis]);
@@ -58,7 +76,7 @@ pub fn note_changes(ledger: &mut Ledger, grid: &Grid, dt: f64) {
             notes.change[axis] = change;
             notes.prescribed[axis] = unlike.then_some(v - 0.5 * change);
         }
-    }
+    });
 }
 
 /// Changes of a velocity that agree to this part of it come from the forces.
@@ -72,26 +90,70 @@ const SAME: f64 = 1e-10;
 /// prescribed one: what holds a wall does no work. Where strains follow from the `updated` velocities
 /// v*, w = (v + v*)/2 and the nodes gain sum m (v* - v).w. The impulse r = m (v* - v) - dt (f + mb) is that
 /// of prescribed velocities.
-pub fn book_forces(ledger: &mut Ledger, grid: &Grid, dt: f64, updated: bool) {
+pub fn book_forces(ledger: &mut Ledger, grid: &Grid, parallel: bool, dt: f64, updated: bool) {
+    let notes = &ledger.nodes;
+    let block = |number: usize| {
+        let mut sums = Forces::default();
+        for run in &grid.runs[grid.first_run[number]..grid.first_run[number + 1]] {
+            for node in run.clone().filter(|node| grid.counts(*node)) {
+                sums.add(grid, node, &notes[node], dt, updated);
+            }
+        }
+        sums
+    };
+    let blocks = 0..grid.first_run.len().saturating_sub(1);
+    let sums = match parallel {
+        true => blocks.into_par_iter().map(block).reduce(Forces::default, Forces::merged),
+        false => blocks.map(block).fold(Forces::default(), Forces::merged),
+    };
     let books = &mut ledger.books;
-    for node in grid.runs.iter().cloned().flatten().filter(|node| grid.counts(*node)) {
-        let (notes, mapped) = (&ledger.nodes[node], &grid.mapped[node]);
+    books.external.merge(&sums.external);
+    books.damping.merge(&sums.damping);
+    books.boundary.merge(&sums.boundary);
+    books.nodal.merge(&sums.nodal);
+}
+
+/// What nodal forces have done: exact sums, so that the order of the blocks does not matter.
+#[derive(Default)]
+struct Forces {
+    external: ExactSum,
+    damping: ExactSum,
+    boundary: ExactSum,
+    nodal: ExactSum,
+}
+
+impl Forces {
+    /// Adds what the forces on a node do.
+    fn add(&mut self, grid: &Grid, node: usize, notes: &Notes, dt: f64, updated: bool) {
+        let mapped = &grid.mapped[node];
         let inverse = inverse_mass(&grid.nodes[node], grid.mass_cutoff);
         let [.., mass] = grid.nodes[node].motion;
+        let (mut external, mut damping, mut boundary, mut nodal) = (0.0, 0.0, 0.0, 0.0);
         for axis in 0..3 {
             let mean = mean(notes, mapped, inverse, axis, updated);
-            let internal = dt * notes.internal[axis] * mean;
-            let external = dt * notes.external[axis] * mean;
-            let damping = dt * notes.damping[axis] * mean;
-            let contact = dt * notes.contact[axis] * mean;
+            let [inner, outer, damped, contact] =
+                [notes.internal, notes.external, notes.damping, notes.contact]
+                    .map(|force| dt * force[axis] * mean);
             let total = mass * notes.change[axis] * mean;
-            books.external.add(external);
-            books.damping.add(-damping);
+            external += outer;
+            damping -= damped;
             if notes.prescribed[axis].is_some() {
-                books.boundary.add(total - internal - external - damping - contact);
+                boundary += total - inner - outer - damped - contact;
             }
-            books.nodal.add(total);
+            nodal += total;
         }
+        self.external.add(external);
+        self.damping.add(damping);
+        self.boundary.add(boundary);
+        self.nodal.add(nodal);
+    }
+
+    fn merged(mut self, other: Self) -> Self {
+        self.external.merge(&other.external);
+        self.damping.merge(&other.damping);
+        self.boundary.merge(&other.boundary);
+        self.nodal.merge(&other.nodal);
+        self
     }
 }
 
@@ -166,180 +228,4 @@ pub fn book_contact(ledger: &mut Ledger, grid: &Grid, pairs: &[Pair], updated: b
         ledger.books.friction.add(-sliding);
         ledger.books.numerical.add(sliding - work);
     }
-}
-
-/// Kinematics and law of a chunk, with a note of what each particle does; `velocity`: the records
-/// with V0.
-///
-/// Work: V0 (P + P') : (F' - F)/2, the trapezoid of P : dF, with P = J sigma F^-T before the step
-/// and after it. With the weights of their own place the old and the new stress then do what
-/// internal forces f = -sum V sigma grad N of theirs take from the nodes. Work against viscosity
-/// is the part of the viscous stresses in it.
-///
-/// Once damage has begun, what is neither dissipated nor in the stored energy psi of the law is lost
-/// to damage.
-#[inline(never)]
-pub fn advance_and_book(
-    description: Description,
-    law: &dyn Law,
-    has_deformation: bool,
-    chunk: &mut Chunk<'_>,
-    velocity: &[[f64; 4]],
-    shares: &mut [Share],
-) {
-    description.turn(law, chunk);
-    let old = Before::new(description, chunk);
-    let (mut before, mut after) = (NOTHING, NOTHING);
-    let damaged = chunk.state.has(Column::Damage);
-    if damaged {
-        law.stored_energy(chunk.state, &mut before);
-    }
-    description.advance(law, has_deformation, chunk);
-    let turned = STRESS.map(|column| *chunk.state.lane(column));
-    law.update(chunk);
-    note_viscosity(law, chunk);
-    if damaged {
-        law.stored_energy(chunk.state, &mut after);
-    }
-    let fluid = law.viscosity() > 0.0;
-    for (p, share) in shares.iter_mut().enumerate().take(chunk.state.len) {
-        let state = &*chunk.state;
-        let flow = state.value(Column::PlasticStrain, p) - at(&old.plastic_strain, p);
-        let mut now = Stressed {
-            jacobian: state.value(Column::J, p),
-            sigma: state.stress(p),
-            viscous: state.value(Column::ViscousPressure, p),
-        };
-        let stress = tensor(&turned, p);
-        let mut then = old.stressed(p);
-        let [from, to] = old.rates(chunk, p);
-        if description.is_turned_back(law) {
-            then.turn(&rotation(&old.rotation, p, state.dimension));
-            now.turn(&rotation(chunk.rotation, p, state.dimension));
-        }
-        let [.., reference] = velocity[p];
-        let (volume, half) = (now.jacobian * reference, 0.5 * reference * chunk.dt);
-        *share = Share {
-            work: half * (then.power(&from) + now.power(&to)),
-            plastic: volume * law.plastic_work(chunk, p, &stress, flow),
-            viscous: half * (then.viscous_power(&from, fluid) + now.viscous_power(&to, fluid)),
-            damage: 0.0,
-            heat: volume * law.heating(state, p) * chunk.dt,
-        };
-        if state.value(Column::Damage, p) > 0.0 {
-            let stored = reference * (at(&after, p) - at(&before, p));
-            share.damage = share.work - share.plastic - share.viscous - stored;
-        }
-    }
-}
-
-/// Writes the artificial part of the pressure into its column.
-fn note_viscosity(law: &dyn Law, chunk: &mut Chunk<'_>) {
-    if !law.has_artificial_viscosity() {
-        return;
-    }
-    for p in 0..chunk.state.len {
-        let alive = chunk.state.value(Column::Damage, p) < 1.0;
-        let pressure = law.viscous_pressure(chunk, p);
-        chunk.state.set_value(Column::ViscousPressure, p, if alive { pressure } else { 0.0 });
-    }
-}
-
-/// What the step changes, as it was.
-struct Before {
-    description: Description,
-    jacobian: Lane,
-    plastic_strain: Lane,
-    viscous: Lane,
-    stress: [Lane; 6],
-    deformation: [Lane; 9],
-    rotation: [Lane; 9],
-}
-
-impl Before {
-    fn new(description: Description, chunk: &Chunk<'_>) -> Self {
-        let state = &*chunk.state;
-        Self {
-            description,
-            rotation: *chunk.rotation,
-            jacobian: *state.lane(Column::J),
-            plastic_strain: *state.lane(Column::PlasticStrain),
-            viscous: *state.lane(Column::ViscousPressure),
-            stress: STRESS.map(|column| *state.lane(column)),
-            deformation: DEFORMATION.map(|column| *state.lane(column)),
-        }
-    }
-
-    fn stressed(&self, p: usize) -> Stressed {
-        Stressed {
-            jacobian: at(&self.jacobian, p),
-            sigma: tensor(&self.stress, p),
-            viscous: at(&self.viscous, p),
-        }
-    }
-
-    fn deformation(&self, p: usize) -> Tensor {
-        Tensor::from_fn(|i, j| at(&self.deformation[3 * i + j], p))
-    }
-
-    /// (F' - F)/dt F^-1 and (F' - F)/dt F'^-1; the first is L in updated Lagrangian methods.
-    fn rates(&self, chunk: &Chunk<'_>, p: usize) -> [Tensor; 2] {
-        let (change, start, end) = match self.description {
-            Description::Total => {
-                let (old, new) = (self.deformation(p), chunk.state.deformation(p));
-                ((new - old) / chunk.dt, old, new)
-            }
-            Description::Updated(_) => {
-                let rate = chunk.velocity_gradient(p);
-                (rate, Tensor::identity(), Tensor::identity() + rate * chunk.dt)
-            }
-        };
-        [start, end].map(|f| f.try_inverse().map_or(Tensor::zeros(), |inverse| change * inverse))
-    }
-}
-
-/// R of a particle; directions beyond the dimension do not turn.
-fn rotation(lanes: &[Lane; 9], p: usize, dimension: usize) -> Tensor {
-    Tensor::from_fn(|i, j| match i.max(j) < dimension {
-        true => at(&lanes[3 * i + j], p),
-        false => f64::from(i == j),
-    })
-}
-
-/// A particle under stress.
-struct Stressed {
-    jacobian: f64,
-    sigma: Tensor,
-    viscous: f64,
-}
-
-impl Stressed {
-    /// Brings the stress from the axes that go with the body into those of space.
-    fn turn(&mut self, rotation: &Tensor) {
-        self.sigma = rotation * self.sigma * rotation.transpose();
-    }
-
-    /// J sigma : L.
-    fn power(&self, rate: &Tensor) -> f64 {
-        self.jacobian * self.sigma.dot(rate)
-    }
-
-    /// The part of the artificial pressure in it, and of the deviator in fluids.
-    fn viscous_power(&self, rate: &Tensor, fluid: bool) -> f64 {
-        let trace = rate.trace();
-        let deviator = match fluid {
-            true => self.sigma.dot(rate) - self.sigma.trace() / 3.0 * trace,
-            false => 0.0,
-        };
-        self.jacobian * (deviator - self.viscous * trace)
-    }
-}
-
-fn at(lane: &Lane, p: usize) -> f64 {
-    lane[p / 4][p % 4]
-}
-
-/// The symmetric tensor of a particle.
-fn tensor(six: &[Lane; 6], p: usize) -> Tensor {
-    Tensor::from_fn(|i, j| at(&six[SYMMETRIC[3 * i + j]], p))
 }

@@ -4,12 +4,12 @@ use super::by_space;
 use super::chunk::{SCRATCH, Scratch, stresses};
 use super::domains;
 use super::ghosts::NodeArray;
-use super::ledger::advance_and_book;
 use super::scatter::Parcel;
 use super::shared::Shared;
 use super::stencil::Frame;
 use super::support::{Footprint, Records, Support};
 use super::tiles::{Report, Tile, Tiles};
+use super::work::advance_and_book;
 use crate::material::kinematics::thinnest;
 use crate::material::state::copy;
 use crate::material::{Description, GROUPS, LANES, NOTHING};
@@ -73,7 +73,7 @@ struct Lent<'a> {
     matrix: [Shared<'a, [f64; 4]>; 3],
     columns: [Shared<'a, f64>; COLUMNS],
     nodes: Shared<'a, Node>,
-    /// What each particle does, if the energy ledger is open.
+    /// What the particles of each tile do, if the energy ledger is open.
     shares: Shared<'a, Share>,
 }
 
@@ -131,6 +131,7 @@ fn sweep_of<const D: usize, const ROUND: bool, F: Footprint<D>>(
                 let part = Part::<'_, D, ROUND, F> {
                     solid,
                     range,
+                    tile: tile.number,
                     seen: &seen,
                     lent: &lent,
                     scratch,
@@ -166,6 +167,7 @@ pub fn of_one_solid(range: Range<usize>, solid: &[u16]) -> impl Iterator<Item = 
 struct Part<'a, const D: usize, const ROUND: bool, F> {
     solid: &'a Solid,
     range: Range<usize>,
+    tile: usize,
     seen: &'a Seen<'a>,
     lent: &'a Lent<'a>,
     scratch: &'a mut Scratch,
@@ -324,11 +326,11 @@ impl<'a, const D: usize, const ROUND: bool, F: Footprint<D>> Part<'a, D, ROUND, 
             self.seen.description.advance(law, has_deformation, &mut chunk);
             law.update(&mut chunk);
         } else {
-            // SAFETY: as in `places`.
-            let shares = unsafe { self.lent.shares.part(self.range.clone()) };
+            // SAFETY: each tile has one worker.
+            let share = unsafe { &mut self.lent.shares.part(self.tile..self.tile + 1)[0] };
             let velocity = &self.seen.velocity[self.range.clone()];
             let description = self.seen.description;
-            advance_and_book(description, law, has_deformation, &mut chunk, velocity, shares);
+            advance_and_book(description, law, has_deformation, &mut chunk, velocity, share);
         }
         if let Some(failed) = chunk.failed {
             self.report.failed.get_or_insert(self.range.start + failed);

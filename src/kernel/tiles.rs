@@ -118,6 +118,8 @@ impl Report {
 
 /// The particles of one tile and the frame of their lattice.
 pub struct Tile<'a> {
+    /// Number of the tile.
+    pub number: usize,
     /// Places in the table.
     pub range: Range<usize>,
     /// Where their nodes are.
@@ -225,7 +227,8 @@ impl Job<'_> {
         let report = unsafe { self.reports.part(tile..tile + 1) };
         report[0] = Report::default();
         let frame = &self.frames[self.lattices[tile] as usize];
-        (self.work)(Tile { range: self.ranges[tile].clone(), frame }, &mut report[0]);
+        let range = self.ranges[tile].clone();
+        (self.work)(Tile { number: tile, range, frame }, &mut report[0]);
     }
 
     /// Does the work for some tiles of one colour.

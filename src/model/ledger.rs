@@ -121,7 +121,7 @@ impl Books {
     }
 }
 
-/// What a particle has done in a step \[M L^2/T^2\].
+/// What the particles of a tile have done in a step \[M L^2/T^2\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Share {
     /// Work of the stress V0 (J sigma : D) dt.
@@ -134,6 +134,18 @@ pub struct Share {
     pub damage: f64,
     /// Plastic work that became heat.
     pub heat: f64,
+}
+
+impl Share {
+    /// Adds what others have done.
+    #[inline]
+    pub fn add(&mut self, other: &Share) {
+        self.work += other.work;
+        self.plastic += other.plastic;
+        self.viscous += other.viscous;
+        self.damage += other.damage;
+        self.heat += other.heat;
+    }
 }
 
 /// What a node has seen in the step under way.
@@ -174,14 +186,16 @@ pub struct Ledger {
     residual: f64,
     /// What the nodes of the step under way have seen.
     pub nodes: Vec<Notes>,
-    /// What each particle has done in the step, in storage order.
+    /// What the particles of each tile have done in the step.
     pub shares: Vec<Share>,
+    /// Kinetic energy of the particles of each tile.
+    pub kinetic: Vec<f64>,
 }
 
 impl Ledger {
     /// Opens the ledger with the energies of the present state, or, if it is open, books what has
     /// changed since the last run as work from outside.
-    pub fn begin(&mut self, kinetic: f64, strain: f64, nodes: usize, particles: usize) {
+    pub fn begin(&mut self, kinetic: f64, strain: f64, nodes: usize, tiles: usize) {
         if self.open {
             self.sums.external += kinetic - self.sums.kinetic + strain - self.strain;
             self.sums.stored += strain - self.strain;
@@ -195,7 +209,7 @@ impl Ledger {
             self.residual = 0.0;
         }
         self.strain = strain;
-        self.fit(nodes, particles);
+        self.fit(nodes, tiles);
     }
 
     /// Puts it into a checkpoint, or takes it from there.
@@ -221,11 +235,10 @@ impl Ledger {
         *self = Self::default();
     }
 
-    /// Makes room for so many nodes and particles and clears the last step.
-    pub fn fit(&mut self, nodes: usize, particles: usize) {
+    /// Makes room for so many nodes and tiles; what particles have done is cleared.
+    pub fn fit(&mut self, nodes: usize, tiles: usize) {
         self.shares.clear();
-        self.shares.resize(particles, Share::default());
-        self.nodes.clear();
+        self.shares.resize(tiles, Share::default());
         self.nodes.resize(nodes, Notes::default());
     }
 

@@ -256,6 +256,11 @@ impl Outputs {
         Ok(())
     }
 
+    /// Is a row of the log due after a step, whether the last of a run or not?
+    pub fn row_is_due(&self, step: u64) -> bool {
+        self.interval > 0 && step.is_multiple_of(self.interval)
+    }
+
     /// Is anything due after this step?
     pub fn is_due(&self, step: u64, last: bool) -> bool {
         self.row_due(step, last)

@@ -1,9 +1,10 @@
 //! Where in a step the energy ledger takes its notes.
 
 use super::{Parts, SchemeKind};
-use crate::compute::energy::kinetic_energy;
+use crate::kernel::work::kinetic_energy;
 use crate::kernel::{gather, grid, ledger};
-use crate::model::group::GroupId;
+use crate::model::domain::Boundary;
+use crate::step::Stage;
 use crate::timing::Phase;
 use crate::transfer::TransferKind;
 use std::time::Instant;
@@ -12,12 +13,17 @@ impl Parts<'_> {
     /// Books what has changed the particles since the last step: H1, particles that have left.
     /// Internal forces are noted.
     pub fn note_start(&mut self) {
-        self.book_particles();
-        let world = &mut *self.world;
+        // Velocities change between two steps only where a fix acts or walls are minded.
+        if self.hooks.any(&[Stage::InitialIntegrate, Stage::FinalIntegrate])
+            || self.world.boundary != Boundary::Error
+        {
+            self.book_particles();
+        }
+        let (world, tiles) = (&mut *self.world, &self.loops.tiles);
         if world.ledger.open {
             let start = Instant::now();
-            world.ledger.fit(world.grid.len(), world.particles.len());
-            ledger::note_internal(&mut world.ledger, &world.grid);
+            world.ledger.fit(world.grid.len(), tiles.ranges.len());
+            ledger::note_internal(&mut world.ledger, &world.grid, tiles.parallel);
             self.loops.timing.aside(Phase::Ledger, start);
         }
     }
@@ -27,7 +33,7 @@ impl Parts<'_> {
         let world = &mut *self.world;
         if world.ledger.open {
             let start = Instant::now();
-            ledger::note_external(&mut world.ledger, &world.grid);
+            ledger::note_external(&mut world.ledger, &world.grid, self.loops.tiles.parallel);
             self.loops.timing.aside(Phase::Ledger, start);
         }
     }
@@ -38,7 +44,8 @@ impl Parts<'_> {
         if world.ledger.open {
             let start = Instant::now();
             ledger::note_contact(&mut world.ledger, &mut world.grid, self.clock.dt);
-            ledger::note_changes(&mut world.ledger, &world.grid, self.clock.dt);
+            let parallel = self.loops.tiles.parallel;
+            ledger::note_changes(&mut world.ledger, &world.grid, parallel, self.clock.dt);
             self.loops.timing.aside(Phase::Ledger, start);
         }
     }
@@ -57,9 +64,9 @@ impl Parts<'_> {
         if !mapped {
             gather::scatter_momentum(&mut self.loops.tiles, self.world, self.transfer.is_affine());
         }
-        let world = &mut *self.world;
-        let kinetic = kinetic_energy(world, GroupId::ALL);
-        ledger::book_forces(&mut world.ledger, &world.grid, self.clock.dt, updated);
+        let kinetic = kinetic_energy(&mut self.loops.tiles, self.world);
+        let (world, parallel) = (&mut *self.world, self.loops.tiles.parallel);
+        ledger::book_forces(&mut world.ledger, &world.grid, parallel, self.clock.dt, updated);
         ledger::book_contact(&mut world.ledger, &world.grid, &world.contacts.pairs, updated);
         let work = world.ledger.settle(&world.ranks);
         let sums = &mut world.ledger.sums;
@@ -74,11 +81,10 @@ impl Parts<'_> {
     /// Books what has been done to the particles since their kinetic energy was last taken: by fixes
     /// (H1, H4, H5), or by taking some away.
     pub fn book_particles(&mut self) {
-        let world = &mut *self.world;
-        if world.ledger.open {
+        if self.world.ledger.open {
             let start = Instant::now();
-            let kinetic = kinetic_energy(world, GroupId::ALL);
-            let sums = &mut world.ledger.sums;
+            let kinetic = kinetic_energy(&mut self.loops.tiles, self.world);
+            let sums = &mut self.world.ledger.sums;
             sums.boundary += kinetic - sums.kinetic;
             sums.kinetic = kinetic;
             self.loops.timing.aside(Phase::Ledger, start);

@@ -267,9 +267,8 @@ impl Simulation {
         if world.ranks.count(given) != [sorted.nodes.index.len(), sorted.rubbed.pair.len()] {
             return Err(outside());
         }
-        let (particles, nodes) = (world.particles.len(), world.grid.len());
         if world.ledger.open {
-            world.ledger.fit(nodes, particles);
+            world.ledger.fit(world.grid.len(), self.loops.tiles.ranges.len());
         }
         if self.loops.scattered {
             let (hooks, scatter) = (self.hooks(), self.scheme.scatter());
@@ -318,6 +317,7 @@ impl Simulation {
         checkpoint.within("couple", |inside| sorted.rubbed.keep(inside));
         checkpoint.within("solid", |inside| self.keep_solids(inside));
         checkpoint.within("ledger", |inside| self.world.ledger.keep(inside));
+        checkpoint.flag("alarmed", &mut self.alarmed);
         checkpoint.within("contact", |inside| self.world.contacts.keep(inside));
         checkpoint.within("group", |inside| self.captured.keep(inside));
         checkpoint.within("fix", |inside| self.keep_fixes(inside));

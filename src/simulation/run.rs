@@ -81,6 +81,7 @@ impl Simulation {
         let mut progress = progress;
         while self.goes_on(until, &progress)? {
             self.take_step(&hooks, &mut progress)?;
+            self.mind_ledger()?;
             let last = !self.goes_on(until, &progress)?;
             progress.finished = last && !self.interrupted;
             self.progress = Some(progress);
@@ -185,6 +186,7 @@ impl Simulation {
     fn clear_counts(&mut self) {
         (self.loops.clipped, self.loops.removed, self.loops.bounced) = (0, 0, 0);
         self.loops.cut = None;
+        self.alarmed = false;
     }
 
     /// What the scene needs, as far as it is known now.
@@ -254,7 +256,8 @@ impl Simulation {
             return;
         }
         let [kinetic, strain] = [kinetic_energy, strain_energy].map(|sum| sum(world, GroupId::ALL));
-        world.ledger.begin(kinetic, strain, world.grid.len(), world.particles.len());
+        let tiles = self.loops.tiles.ranges.len();
+        world.ledger.begin(kinetic, strain, world.grid.len(), tiles);
     }
 
     /// At the end of a run: what changes the stored energy before the next one comes from outside.

@@ -117,6 +117,7 @@ impl Simulation {
             next: None,
             bound: None,
             floor: Floor::default(),
+            alarmed: false,
             progress: None,
             history: History::default(),
             bits: 0,

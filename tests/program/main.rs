@@ -125,6 +125,31 @@ fn a_time_step_above_twice_the_stable_one_is_refused_unless_it_is_forced() {
 }
 
 #[test]
+fn an_energy_ledger_that_does_not_close_warns_or_stops() {
+    let play = |bounds: &str| {
+        let place = Place::new(&format!(
+            "fix(v, initial_velocity_particles, all, 0.1*x, 0)\n\
+             compute(W, energy_ledger, all, {bounds})\nset_output(1)\nrun(20)\n"
+        ));
+        let output = place.run(&["in.mpm"]);
+        (output.status.code(), stderr(&output), place.read("log.mpm"))
+    };
+    let told = |text: &str| text.matches("the energy ledger is off by").count();
+    let (code, errors, log) = play("warn_above, 1e-9");
+    assert_eq!((code, told(&log)), (Some(0), 1), "{errors}");
+    let (code, errors, log) = play("stop_above, 1e-9");
+    assert_eq!((code, told(&errors), told(&log)), (Some(1), 1, 0), "{errors}");
+    assert!(errors.contains("step ") && errors.contains("more than 1e-9"), "{errors}");
+    // Both: the smaller bound does not hide the other.
+    let (code, errors, _) = play("stop_above, 1e-5, warn_above, 1e-9");
+    assert_eq!((code, told(&errors)), (Some(1), 1), "{errors}");
+    let (code, errors, log) = play("stop_above, 10, warn_above, 1e-9");
+    assert_eq!((code, told(&log)), (Some(0), 1), "{errors}");
+    let (code, errors, log) = play("stop_above, 10, warn_above, 10");
+    assert_eq!((code, told(&log)), (Some(0), 0), "{errors}");
+}
+
+#[test]
 fn files_that_cannot_be_read_or_written_end_with_3() {
     let place = Place::new("dump(d, all, particle, 1, nowhere/d.*.txt, x)\nrun(1)\n");
     assert_eq!(place.run(&["in.mpm"]).status.code(), Some(3));
