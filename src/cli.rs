@@ -272,7 +272,7 @@ fn stopped(stop: Stop, session: &mut Session) -> u8 {
     match &stop {
         Stop::Script(mistakes) => code_of(mistakes),
         Stop::Interrupted => interrupt::exit_code_now(),
-        Stop::Fault(Fault { kind: FaultKind::Run, .. }) => RUN_FAILED,
+        Stop::Fault(Fault { kind: FaultKind::Run | FaultKind::Step, .. }) => RUN_FAILED,
         Stop::Fault(Fault { kind: FaultKind::File, .. }) => FILES,
     }
 }

@@ -22,6 +22,7 @@ pub mod scene;
 pub mod session;
 pub mod setting;
 mod solid;
+mod watch;
 
 use crate::script::arguments::Args;
 use crate::script::diagnostic::Diagnostic;
@@ -225,6 +226,15 @@ of volume r dr dtheta (dx), inside region and box; (c1, c2) as for the region st
         contact::MANUAL,
     ),
     row("delete_contact", "ID", "removes a contact", contact::delete_contact),
+    explained(
+        row(
+            "watch",
+            "on|off [, option, X] ...",
+            "looks for trouble before it is too late, goes back and tries smaller steps",
+            watch::watch,
+        ),
+        watch::MANUAL,
+    ),
     explained(
         row(
             "set_dt",

@@ -8,6 +8,8 @@
 pub enum FaultKind {
     /// The physics or the numbers went wrong (exit code 1).
     Run,
+    /// The same, and a smaller time step may help.
+    Step,
     /// A file could not be read or written (exit code 3).
     File,
 }
@@ -28,6 +30,11 @@ impl Fault {
     /// A fault of the simulation itself.
     pub fn run(what: impl Into<String>) -> Self {
         Self { kind: FaultKind::Run, what: what.into(), cause: None }
+    }
+
+    /// A fault of the simulation that a smaller time step may help.
+    pub fn step(what: impl Into<String>) -> Self {
+        Self { kind: FaultKind::Step, ..Self::run(what) }
     }
 
     /// A fault of the file system: the path and the system's reason.

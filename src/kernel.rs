@@ -39,6 +39,7 @@ pub mod surfaces;
 pub mod survey;
 pub mod tensor;
 pub mod tiles;
+pub mod trouble;
 pub mod walls;
 pub mod work;
 

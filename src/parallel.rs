@@ -197,6 +197,7 @@ const SEPARATOR: char = '\0';
 fn encode(fault: &Fault, rank: usize) -> Vec<u8> {
     let kind = match fault.kind {
         FaultKind::Run => 'r',
+        FaultKind::Step => 's',
         FaultKind::File => 'f',
     };
     let cause = fault.cause.as_deref().unwrap_or_default();
@@ -207,9 +208,11 @@ fn decode(bytes: &[u8]) -> Fault {
     let text = String::from_utf8_lossy(bytes);
     let (what, cause) = text.split_once(SEPARATOR).unwrap_or((&text, ""));
     let mut fault = Fault::run(what.get(1..).unwrap_or_default());
-    if what.starts_with('f') {
-        fault.kind = FaultKind::File;
-    }
+    fault.kind = match what.chars().next() {
+        Some('f') => FaultKind::File,
+        Some('s') => FaultKind::Step,
+        _ => FaultKind::Run,
+    };
     fault.cause = (!cause.is_empty()).then(|| cause.to_string());
     fault
 }

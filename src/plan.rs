@@ -3,6 +3,23 @@
 use crate::model::column::ColumnSet;
 use crate::step::Stage;
 
+/// What `watch` takes for trouble: bounds on particles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trouble {
+    /// J lies between one over this and this.
+    pub volume: f64,
+    /// |v| over the wave speed of the undeformed material.
+    pub speed: f64,
+    /// dt ||L||: the strain of one step.
+    pub strain: f64,
+}
+
+impl Default for Trouble {
+    fn default() -> Self {
+        Self { volume: 1e3, speed: 50.0, strain: 0.7 }
+    }
+}
+
 /// Bounds on the error of the energy ledger at the rows of the log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alarm {
@@ -46,6 +63,8 @@ pub struct Plan {
     pub node_places: bool,
     /// Something reads the energy ledger.
     pub ledger: bool,
+    /// Particles are watched.
+    pub trouble: Option<Trouble>,
     /// Bounds on the error of the energy ledger.
     pub alarm: Alarm,
     /// A fix makes particles of two solids touch.

@@ -568,6 +568,7 @@ impl Parts<'_> {
             time_step: self.plan.wave_speed,
             averaged_dilation: self.world.method.averaged_dilation,
             keep_gradient: self.transfer.gradient_enhanced,
+            trouble: self.plan.trouble,
             ..self.points()
         }
     }
@@ -585,6 +586,10 @@ impl Parts<'_> {
         let failed = report
             .failed
             .map(|particle| watch::inverted(self.world, particle, self.is_fragile(), &self.clock));
+        let failed = failed.or_else(|| {
+            let trouble = self.plan.trouble?;
+            Some(watch::troubled(self.world, report.troubled?, &trouble, &self.clock))
+        });
         let deletes = self.world.boundary == Boundary::Delete;
         let escaped = report.escaped.filter(|_| !deletes);
         let escaped = escaped.map(|particle| watch::escaped(self.world, particle, &self.clock));

@@ -9,6 +9,7 @@ mod fracture;
 mod noise;
 mod overlap;
 mod progress;
+mod rescue;
 mod restart;
 mod run;
 mod setup;
@@ -29,6 +30,8 @@ use crate::time_step::{Floor, Limit, TimeStep};
 use crate::transfer::Transfer;
 use crate::world::World;
 use progress::Progress;
+use rescue::Rescue;
+pub use rescue::Watch;
 
 /// When a run ends.
 pub enum Until {
@@ -76,6 +79,9 @@ pub struct Simulation {
     /// What limited the step just done.
     bound: Option<Limit>,
     floor: Floor,
+    /// Copies and retries, if the script asks for them.
+    pub watch: Option<Watch>,
+    rescue: Rescue,
     /// The run has been warned that its energy ledger does not close.
     alarmed: bool,
     /// The run that the next one goes on with, unless something has changed since.

@@ -24,11 +24,13 @@ pub enum Limit {
     Growth,
     /// `run_time` lands on its end.
     End,
+    /// A step was given up and is tried again with a smaller one (`watch`).
+    Rescue,
 }
 
 impl Limit {
     /// All, in the order of definition.
-    pub const ALL: [Limit; 8] = [
+    pub const ALL: [Limit; 9] = [
         Limit::Fixed,
         Limit::Acoustic,
         Limit::Viscous,
@@ -37,6 +39,7 @@ impl Limit {
         Limit::Contact,
         Limit::Growth,
         Limit::End,
+        Limit::Rescue,
     ];
 
     /// The word in the log.
@@ -50,6 +53,7 @@ impl Limit {
             Limit::Contact => "contact",
             Limit::Growth => "growth",
             Limit::End => "end",
+            Limit::Rescue => "rescue",
         }
     }
 }

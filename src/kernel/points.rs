@@ -9,6 +9,7 @@ use super::shared::Shared;
 use super::stencil::Frame;
 use super::support::{Footprint, Records, Support};
 use super::tiles::{Report, Tile, Tiles};
+use super::trouble;
 use super::work::advance_and_book;
 use crate::material::kinematics::thinnest;
 use crate::material::state::copy;
@@ -19,6 +20,7 @@ use crate::model::column::{COLUMNS, Column, ColumnSet};
 use crate::model::grid::Node;
 use crate::model::ledger::Share;
 use crate::model::particles::DOMAIN_RECORDS;
+use crate::plan::Trouble;
 use crate::shape::{DomainKind, ShapeKind};
 use crate::world::{Solid, World};
 use std::marker::PhantomData;
@@ -47,6 +49,8 @@ pub struct Points {
     pub affine: bool,
     /// Forces and L come from moments in place of gradients (MLS).
     pub moments: bool,
+    /// Particles are watched.
+    pub trouble: Option<Trouble>,
     /// L is the matrix C_p that the gathering left (MLS after v*).
     pub matrix_is_gradient: bool,
 }
@@ -336,6 +340,13 @@ impl<'a, const D: usize, const ROUND: bool, F: Footprint<D>> Part<'a, D, ROUND, 
             self.report.failed.get_or_insert(self.range.start + failed);
         }
         self.report.clipped += chunk.clipped;
+        if let Some(bounds) = &self.points.trouble {
+            let velocity = &self.seen.velocity[self.range.clone()];
+            let wave = law.reference_wave_speed();
+            let found = trouble::first(self.scratch, velocity, bounds, wave, self.points.dt);
+            let found = found.map(|p| self.range.start + p);
+            self.report.troubled = self.report.troubled.or(found);
+        }
         if self.points.time_step {
             self.time_step::<V>();
         }

@@ -65,6 +65,8 @@ pub struct Report {
     pub failed: Option<usize>,
     /// Place in the table of the first particle outside the box.
     pub escaped: Option<usize>,
+    /// Place in the table of the first particle that `watch` finds in trouble.
+    pub troubled: Option<usize>,
 }
 
 impl Default for Report {
@@ -82,6 +84,7 @@ impl Default for Report {
             cut: None,
             failed: None,
             escaped: None,
+            troubled: None,
         }
     }
 }
@@ -112,6 +115,7 @@ impl Report {
             cut: self.cut.or(other.cut),
             failed: self.failed.or(other.failed),
             escaped: self.escaped.or(other.escaped),
+            troubled: self.troubled.or(other.troubled),
         }
     }
 }

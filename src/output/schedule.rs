@@ -159,6 +159,11 @@ impl Outputs {
         Some(super::restart::path(&schedule.file, step))
     }
 
+    /// The name of restart files, `*` for the step, if the script asks for some.
+    pub fn restart_pattern(&self) -> Option<String> {
+        self.restart.as_ref().map(|schedule| schedule.file.clone())
+    }
+
     /// Notes a file among those written.
     pub fn note_file(&mut self, path: &std::path::Path, step: u64) {
         note(&mut self.written, pattern(path, step));

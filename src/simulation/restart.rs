@@ -179,18 +179,7 @@ impl Simulation {
     /// # Errors
     /// The path and the system's reason.
     pub fn write_restart(&mut self, path: &Path) -> Result<(), Fault> {
-        let mut checkpoint = Checkpoint::saving(&self.world.ranks);
-        self.captured.prepare(&self.quantities, &self.world);
-        let mut sorted = match self.progress {
-            Some(_) => Sorted {
-                cells: self.loops.sorter.cells(),
-                corners: self.loops.tiles.corners as u64,
-                nodes: Nodes::of(&self.world.grid, self.loops.carried),
-                rubbed: Rubbed::of(&self.world.grid),
-            },
-            None => Sorted::default(),
-        };
-        self.keep(&mut checkpoint, &mut sorted);
+        let checkpoint = self.save_state();
         let summary = restart::Summary {
             step: self.clock.step,
             time: self.clock.time,
@@ -203,6 +192,23 @@ impl Simulation {
         self.world.ranks.agree(written.err(), &mut [])?;
         self.outputs.note_file(path, self.clock.step);
         Ok(())
+    }
+
+    /// The whole state; of several processes the first one has it.
+    pub(super) fn save_state(&mut self) -> Checkpoint {
+        let mut checkpoint = Checkpoint::saving(&self.world.ranks);
+        self.captured.prepare(&self.quantities, &self.world);
+        let mut sorted = match self.progress {
+            Some(_) => Sorted {
+                cells: self.loops.sorter.cells(),
+                corners: self.loops.tiles.corners as u64,
+                nodes: Nodes::of(&self.world.grid, self.loops.carried),
+                rubbed: Rubbed::of(&self.world.grid),
+            },
+            None => Sorted::default(),
+        };
+        self.keep(&mut checkpoint, &mut sorted);
+        checkpoint
     }
 
     /// Takes the state from a restart file; the scene must be the one it was written with.
@@ -301,6 +307,7 @@ impl Simulation {
         checkpoint.within("next", |inside| TimeStep::keep(&mut self.next, inside));
         checkpoint.within("done", |inside| Limit::keep(&mut self.bound, inside));
         checkpoint.within("floor", |inside| self.floor.keep(inside));
+        checkpoint.within("rescue", |inside| self.rescue.keep(inside));
         checkpoint.within("loop", |inside| self.loops.keep(inside));
         let rows = if checkpoint.is_loading() { Vec::new() } else { self.rows() };
         checkpoint.within("particle", |inside| {

@@ -1,6 +1,7 @@
 //! The loop over time steps.
 
 use super::progress::{JOINED, Progress};
+use super::rescue::Rescue;
 use super::{Simulation, Until, fill};
 use crate::compute::energy::{kinetic_energy, strain_energy};
 use crate::fault::Fault;
@@ -79,13 +80,21 @@ impl Simulation {
         self.world.ranks.agree(started.err(), &mut [])?;
         self.output(false)?;
         let mut progress = progress;
+        self.keep_copy(true);
         while self.goes_on(until, &progress)? {
-            self.take_step(&hooks, &mut progress)?;
-            self.mind_ledger()?;
+            let begun = self.clock.time;
+            let done = self.take_step(&hooks, &mut progress);
+            let done = done.and_then(|()| self.mind_ledger()).and_then(|()| self.mind_energy());
+            if let Err(fault) = done {
+                self.clock.time = begun;
+                progress = self.go_back(fault)?;
+                continue;
+            }
             let last = !self.goes_on(until, &progress)?;
             progress.finished = last && !self.interrupted;
             self.progress = Some(progress);
-            self.output(last)?;
+            let written = self.output(last)?;
+            self.keep_copy(written);
         }
         progress.finished = !self.interrupted || progress.finished;
         self.progress = Some(progress);
@@ -162,8 +171,9 @@ impl Simulation {
                  hold bodies with `velocity_nodes`"
             ),
         );
-        let all = [of_clipped, of_domains, of_stretch, of_fluids, of_hats, of_removed, of_bounced];
-        all.into_iter().flatten().collect()
+        let of_matter = [of_clipped, of_domains, of_stretch, of_fluids, of_hats];
+        let of_steps = [of_removed, of_bounced, self.rescues()];
+        of_matter.into_iter().chain(of_steps).flatten().collect()
     }
 
     /// What processes have sent each other, if there are several.
@@ -187,6 +197,7 @@ impl Simulation {
         (self.loops.clipped, self.loops.removed, self.loops.bounced) = (0, 0, 0);
         self.loops.cut = None;
         self.alarmed = false;
+        self.rescue.forget_count();
     }
 
     /// What the scene needs, as far as it is known now.
@@ -194,7 +205,8 @@ impl Simulation {
         let dimension = self.world.domain.dimension;
         let axisymmetric = self.world.method.axisymmetric;
         let wave_speed = self.fixed_dt.is_none();
-        let mut plan = Plan { wave_speed, axisymmetric, ..Plan::default() };
+        let trouble = self.watch.map(|watch| watch.trouble);
+        let mut plan = Plan { wave_speed, axisymmetric, trouble, ..Plan::default() };
         for solid in &self.world.solids {
             plan.columns = plan.columns.union(self.world.columns_of(&*solid.law));
             if solid.law.thermal().capacity > 0.0 {
@@ -228,6 +240,7 @@ impl Simulation {
         self.loops.tiles.ghosts.traffic = Traffic::default();
         self.interrupted = self.world.ranks.any(interrupt::requested());
         self.clear_counts();
+        self.rescue = Rescue::default();
         self.ready()?;
         let hooks = self.hooks();
         self.open_ledger();
@@ -440,6 +453,7 @@ impl Simulation {
     /// Chooses the size of the coming step.
     fn choose_step(&mut self, progress: &Progress) -> Result<(), Fault> {
         let mut next = self.next.unwrap_or_else(|| self.stable_now());
+        next = self.cap_step(next);
         if self.fixed_dt.is_none() {
             if let Some(previous) = progress.previous {
                 next = time_step::limit_growth(next, previous);
@@ -479,10 +493,13 @@ impl Simulation {
 
     /// t <- t + dt; with `set_dt` t = t_start + k dt; the last step lands on the end.
     fn advance_clock(&mut self, progress: &mut Progress) {
-        let time = match self.fixed_dt {
+        let time = match self.fixed_dt.filter(|_| !self.is_capped()) {
             Some(dt) => progress.start + progress.steps as f64 * dt,
             None => self.clock.end(),
         };
+        if self.is_capped() {
+            (progress.start, progress.steps) = (time, 0);
+        }
         let landed = time >= progress.end - JOINED * self.clock.dt;
         self.clock.time = if landed { progress.end } else { time };
         if landed {
@@ -491,9 +508,10 @@ impl Simulation {
     }
 
     /// Log, dumps, plots, restart files that are due; the first process writes them.
-    fn output(&mut self, last: bool) -> Result<(), Fault> {
+    /// Tells whether any was.
+    fn output(&mut self, last: bool) -> Result<bool, Fault> {
         if !self.outputs.is_due(self.clock.step, last) {
-            return Ok(());
+            return Ok(false);
         }
         let written = self.write(last);
         let written = self.world.ranks.agree(written.err(), &mut []);
@@ -502,7 +520,7 @@ impl Simulation {
             None => Ok(()),
         });
         self.loops.timing.end(Phase::Output);
-        saved
+        saved.map(|()| true)
     }
 
     fn write(&mut self, last: bool) -> Result<(), Fault> {

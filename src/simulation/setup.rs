@@ -117,6 +117,8 @@ impl Simulation {
             next: None,
             bound: None,
             floor: Floor::default(),
+            watch: None,
+            rescue: Default::default(),
             alarmed: false,
             progress: None,
             history: History::default(),
