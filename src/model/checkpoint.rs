@@ -18,8 +18,8 @@ pub trait Number: Copy + Default {
     /// Bytes of one number.
     const BYTES: usize;
 
-    /// Appends it.
-    fn put(self, to: &mut Vec<u8>);
+    /// Writes it; `to` has [`Number::BYTES`] bytes.
+    fn put(self, to: &mut [u8]);
 
     /// Reads it; `from` has [`Number::BYTES`] bytes.
     fn take(from: &[u8]) -> Self;
@@ -31,8 +31,9 @@ macro_rules! number {
             const KIND: &'static str = $kind;
             const BYTES: usize = std::mem::size_of::<$type>();
 
-            fn put(self, to: &mut Vec<u8>) {
-                to.extend_from_slice(&self.to_le_bytes());
+            #[inline]
+            fn put(self, to: &mut [u8]) {
+                to.copy_from_slice(&self.to_le_bytes());
             }
 
             fn take(from: &[u8]) -> Self {
@@ -116,7 +117,7 @@ impl Dealt {
             return None;
         }
         let mut letter = Vec::with_capacity(24 * rows.len());
-        rows.iter().flat_map(|row| row.key).for_each(|word| word.put(&mut letter));
+        rows.iter().flat_map(|row| row.key).for_each(|word| letter.extend(word.to_le_bytes()));
         let letters = match ranks.exchange() {
             Some(exchange) => exchange.gather(&letter),
             None => vec![letter],
@@ -232,13 +233,7 @@ impl Checkpoint {
     /// A column of records; one without rows is not there.
     pub fn records<T: Number, const W: usize>(&mut self, name: &str, values: &mut Vec<[T; W]>) {
         if !self.loading {
-            return match self.dealt.take() {
-                Some(dealt) => {
-                    self.put_dealt(&dealt, name, values);
-                    self.dealt = Some(dealt);
-                }
-                None => self.put(name, values),
-            };
+            return self.save(name, values);
         }
         values.clear();
         let Some(index) = self.find::<T>(name, W) else { return };
@@ -250,11 +245,24 @@ impl Checkpoint {
         values.extend(rows);
     }
 
+    fn save<T: Number, const W: usize>(&mut self, name: &str, values: &[[T; W]]) {
+        match self.dealt.take() {
+            Some(dealt) => {
+                self.put_dealt(&dealt, name, values);
+                self.dealt = Some(dealt);
+            }
+            None => self.put(name, values),
+        }
+    }
+
     fn put<T: Number, const W: usize>(&mut self, name: &str, values: &[[T; W]]) {
         if !values.is_empty() {
             let start = self.begin::<T>(name, W, values.len());
-            values.iter().flatten().for_each(|value| value.put(&mut self.data));
-            debug_assert_eq!(self.data.len(), start + values.len() * W * T::BYTES);
+            self.data.resize(start + values.len() * W * T::BYTES, 0);
+            let places = self.data[start..].chunks_exact_mut(T::BYTES);
+            for (value, place) in values.as_flattened().iter().zip(places) {
+                value.put(place);
+            }
         }
     }
 
@@ -267,9 +275,11 @@ impl Checkpoint {
         let width = W * T::BYTES;
         let mut own = Vec::new();
         if !values.is_empty() {
-            own.reserve(width * dealt.own.len());
+            own.resize(width * dealt.own.len(), 0);
             let rows = dealt.own.iter().flat_map(|place| values[*place]);
-            rows.for_each(|value| value.put(&mut own));
+            for (value, place) in rows.zip(own.chunks_exact_mut(T::BYTES)) {
+                value.put(place);
+            }
         }
         let column = dealt.collect(&self.ranks, own, width);
         if !column.is_empty() {
@@ -280,14 +290,12 @@ impl Checkpoint {
 
     /// A column of numbers; one without rows is not there.
     pub fn column<T: Number>(&mut self, name: &str, values: &mut Vec<T>) {
-        let mut records: Vec<[T; 1]> = match self.loading {
-            true => Vec::new(),
-            false => values.iter().map(|value| [*value]).collect(),
-        };
-        self.records(name, &mut records);
-        if self.loading {
-            *values = records.into_iter().map(|[value]| value).collect();
+        if !self.loading {
+            return self.save(name, values.as_chunks::<1>().0);
         }
+        let mut records: Vec<[T; 1]> = Vec::new();
+        self.records(name, &mut records);
+        *values = records.into_iter().map(|[value]| value).collect();
     }
 
     /// Some numbers that must be there.
