@@ -56,6 +56,9 @@ pub struct Loops {
     pub sorter: Sorter,
     /// Memory of the filter of XPIC.
     pub spare: Vec<[f64; 4]>,
+    /// Kinetic energy of all particles after they have taken their velocities from the grid, if ledger or
+    /// watch ask for it \[M L^2/T^2\].
+    pub kinetic: f64,
     /// Largest distance, in cells, that a particle can have moved since the last sort.
     pub travelled: f64,
     /// The nodes hold what P2G brings for the coming step.
@@ -345,6 +348,9 @@ impl Parts<'_> {
             report.farthest = report.farthest.max(rigid::restore(self.world, self.clock.dt));
         }
         self.loops.timing.end(Phase::GridToPoints);
+        if self.world.ledger.open || self.plan.trouble.is_some() {
+            self.loops.kinetic = self.gathered_energy();
+        }
         self.book_transfer(second_mapping && !split);
         if split {
             self.act(Stage::PostGridToPoint)?;
@@ -361,7 +367,7 @@ impl Parts<'_> {
             }
             self.loops.timing.end(Phase::GridToPoints);
         }
-        if !report.watch.is_finite() {
+        if !report.kinetic.is_finite() {
             let fault = watch::not_finite(self.world, self.is_fragile(), &self.clock);
             self.note(Err(fault))?;
         }
@@ -417,6 +423,9 @@ impl Parts<'_> {
             }
         }
         self.loops.sorter.sort(self.world, &mut self.loops.tiles)?;
+        if self.world.ledger.open {
+            self.world.ledger.fit_tiles(self.loops.tiles.ranges.len());
+        }
         self.loops.travelled = 0.0;
         (self.loops.outgrown, self.loops.unsorted) = (false, false);
         self.loops.sorts += 1;

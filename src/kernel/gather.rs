@@ -143,7 +143,7 @@ impl<const D: usize, F: Footprint<D>> Part<'_, D, F> {
         let [grid, old, change] = splats::<V, 3>([mix.grid, mix.old, mix.change]);
         let [along_grid, own]: [V; 2] =
             splats(if own_path { [0.0, self.numbers.dt] } else { [self.numbers.dt, 0.0] });
-        let (mut farthest, mut watch) = (V::splat(0.0), V::splat(0.0));
+        let (mut farthest, mut energy) = (V::splat(0.0), V::splat(0.0));
         let mut memory = F::Memory::default();
         // Slices of one length: the loop needs no further checks.
         let len = places.len();
@@ -171,8 +171,9 @@ impl<const D: usize, F: Footprint<D>> Part<'_, D, F> {
             let dx = own.mul_add(new, along_grid * seen.w);
             dx.store(displacement);
             farthest = farthest.larger(dx.absolute());
-            watch = watch + new;
             let mass = V::splat(place[3]);
+            let momentum = mass * new;
+            energy = momentum.mul_add(new, energy);
             let mut spread = [V::splat(0.0); D];
             if AFFINE {
                 let inverse = V::splat(frame.inverse_spacing);
@@ -183,12 +184,12 @@ impl<const D: usize, F: Footprint<D>> Part<'_, D, F> {
                 }
             }
             if SCATTER {
-                support.scatter_momentum::<V, AFFINE>(mass * new, &spread, mapped);
+                support.scatter_momentum::<V, AFFINE>(momentum, &spread, mapped);
             }
         }
-        let (far, sum) = (farthest.array(), watch.array());
+        let (far, sum) = (farthest.array(), energy.array());
         self.report.farthest = far[0].max(far[1]).max(far[2]);
-        self.report.watch = sum[0] + sum[1] + sum[2];
+        self.report.kinetic = 0.5 * (sum[0] + sum[1] + sum[2]);
     }
 }
 

@@ -3,7 +3,7 @@
 use super::grid::{BLOCK, inverse_mass};
 use crate::math::exact_sum::ExactSum;
 use crate::model::contact::{Pair, Rule};
-use crate::model::grid::Grid;
+use crate::model::grid::{Grid, Node};
 use crate::model::ledger::{Ledger, Notes};
 use rayon::prelude::*;
 
@@ -92,25 +92,48 @@ const SAME: f64 = 1e-10;
 /// of prescribed velocities.
 pub fn book_forces(ledger: &mut Ledger, grid: &Grid, parallel: bool, dt: f64, updated: bool) {
     let notes = &ledger.nodes;
-    let block = |number: usize| {
-        let mut sums = Forces::default();
-        for run in &grid.runs[grid.first_run[number]..grid.first_run[number + 1]] {
-            for node in run.clone().filter(|node| grid.counts(*node)) {
-                sums.add(grid, node, &notes[node], dt, updated);
-            }
-        }
-        sums
-    };
-    let blocks = 0..grid.first_run.len().saturating_sub(1);
-    let sums = match parallel {
-        true => blocks.into_par_iter().map(block).reduce(Forces::default, Forces::merged),
-        false => blocks.map(block).fold(Forces::default(), Forces::merged),
-    };
+    let sums = sum_over_nodes(grid, parallel, |sums, node| {
+        sums.add(grid, node, &notes[node], dt, updated);
+    });
     let books = &mut ledger.books;
     books.external.merge(&sums.external);
     books.damping.merge(&sums.damping);
     books.boundary.merge(&sums.boundary);
     books.nodal.merge(&sums.nodal);
+}
+
+/// The same where only internal forces change velocities: sum m (v* - v).w, of which no notes are needed.
+pub fn book_free(ledger: &mut Ledger, grid: &Grid, parallel: bool, updated: bool) {
+    let sums = sum_over_nodes(grid, parallel, |sums, node| {
+        let (Node { motion, change }, mapped) = (&grid.nodes[node], &grid.mapped[node]);
+        let mass = motion[3];
+        let mut twice = 0.0;
+        for axis in 0..3 {
+            let before = mass * (motion[axis] - change[axis]);
+            let after = if updated { mass * motion[axis] } else { mapped[axis] };
+            twice += change[axis] * (before + after);
+        }
+        sums.nodal.add(0.5 * twice);
+    });
+    ledger.books.nodal.merge(&sums.nodal);
+}
+
+/// Lets all nodes that this process counts add to sums, in parallel blocks if asked to.
+fn sum_over_nodes(grid: &Grid, parallel: bool, add: impl Fn(&mut Forces, usize) + Sync) -> Forces {
+    let block = |number: usize| {
+        let mut sums = Forces::default();
+        for run in &grid.runs[grid.first_run[number]..grid.first_run[number + 1]] {
+            for node in run.clone().filter(|node| grid.counts(*node)) {
+                add(&mut sums, node);
+            }
+        }
+        sums
+    };
+    let blocks = 0..grid.first_run.len().saturating_sub(1);
+    match parallel {
+        true => blocks.into_par_iter().map(block).reduce(Forces::default, Forces::merged),
+        false => blocks.map(block).fold(Forces::default(), Forces::merged),
+    }
 }
 
 /// What nodal forces have done: exact sums, so that the order of the blocks does not matter.

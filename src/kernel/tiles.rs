@@ -43,7 +43,10 @@ pub const SMALLEST_PARALLEL: usize = 5000;
 pub struct Report {
     /// Largest component of dx \[L\].
     pub farthest: f64,
-    /// Not finite as soon as one velocity of the tile is not.
+    /// Kinetic energy that the particles have taken from the grid \[M L^2/T^2\]; not finite as soon as
+    /// one velocity of the tile is not.
+    pub kinetic: f64,
+    /// Not finite as soon as one temperature of the tile is not.
     pub watch: f64,
     /// Largest c_p + max_i |v_i| \[L/T\].
     pub fastest: f64,
@@ -73,6 +76,7 @@ impl Default for Report {
     fn default() -> Self {
         Self {
             farthest: 0.0,
+            kinetic: 0.0,
             watch: 0.0,
             fastest: 0.0,
             thinnest: 1.0,
@@ -104,6 +108,7 @@ impl Report {
     pub fn join(self, other: &Report) -> Report {
         Report {
             farthest: self.farthest.max(other.farthest),
+            kinetic: self.kinetic + other.kinetic,
             watch: self.watch + other.watch,
             fastest: self.fastest.max(other.fastest),
             thinnest: self.thinnest.min(other.thinnest),

@@ -2,8 +2,8 @@
 
 use super::shared::Shared;
 use super::tiles::Tiles;
-use crate::material::state::{DEFORMATION, STRESS, SYMMETRIC, load_tensor, symmetric_tensor};
-use crate::material::{Chunk, Description, GROUPS, Lane, Law, NOTHING};
+use crate::material::state::{STRESS, SYMMETRIC, load_tensor, symmetric_tensor};
+use crate::material::{Chunk, Description, Lane, Law, NOTHING};
 use crate::math::exact_sum::ExactSum;
 use crate::math::tensor::Tensor;
 use crate::math::v4::{Sweep, Wide, dispatch};
@@ -67,54 +67,82 @@ pub fn advance_and_book(
     velocity: &[[f64; 4]],
     share: &mut Share,
 ) {
+    let [damaged, flows, heats] =
+        [Column::Damage, Column::PlasticStrain, Column::Temperature].map(|c| chunk.state.has(c));
+    let power = Power::new(description, law, chunk);
+    let mut done = Powers { work: NOTHING, viscous: NOTHING };
     description.turn(law, chunk);
-    let old = Before::new(description, law, chunk);
-    let (mut before, mut after) = (NOTHING, NOTHING);
-    let damaged = chunk.state.has(Column::Damage);
     if damaged {
-        law.stored_energy(chunk.state, &mut before);
+        chunk.hold_failed();
+    }
+    power.add(false, chunk, &mut done);
+    let mut before = Before { stored: NOTHING, plastic_strain: NOTHING, stress: [NOTHING; 6] };
+    if damaged {
+        law.stored_energy(chunk.state, &mut before.stored);
+    }
+    if flows {
+        before.plastic_strain = *chunk.state.lane(Column::PlasticStrain);
     }
     description.advance(law, has_deformation, chunk);
-    let turned = STRESS.map(|column| *chunk.state.lane(column));
+    if flows {
+        before.stress = STRESS.map(|column| *chunk.state.lane(column));
+    }
     law.update(chunk);
     note_viscosity(law, chunk);
-    if damaged {
-        law.stored_energy(chunk.state, &mut after);
-    }
-    let (mut work, mut viscous) = (NOTHING, NOTHING);
-    let [flows, heats] = [Column::PlasticStrain, Column::Temperature].map(|c| chunk.state.has(c));
-    let rubs = old.fluid || chunk.state.has(Column::ViscousPressure);
-    match chunk.state.dimension {
-        1 => {
-            dispatch(Power::<1> { old: &old, chunk, rubs, work: &mut work, viscous: &mut viscous })
-        }
-        2 => {
-            dispatch(Power::<2> { old: &old, chunk, rubs, work: &mut work, viscous: &mut viscous })
-        }
-        _ => {
-            dispatch(Power::<3> { old: &old, chunk, rubs, work: &mut work, viscous: &mut viscous })
-        }
-    }
+    power.add(true, chunk, &mut done);
     let half = 0.5 * chunk.dt;
-    for (p, [.., reference]) in velocity.iter().enumerate().take(chunk.state.len) {
-        let state = &*chunk.state;
+    let total = |lane: &Lane| -> f64 {
+        lane.as_flattened().iter().zip(velocity).map(|(power, [.., v0])| power * v0).sum()
+    };
+    share.work += half * total(&done.work);
+    if power.rubs {
+        share.viscous += half * total(&done.viscous);
+    }
+    if flows || heats || damaged {
+        book_losses(law, chunk, velocity, &before, &done, share);
+    }
+}
+
+/// What a law needs to know of the start of the step to tell its losses.
+struct Before {
+    stored: Lane,
+    plastic_strain: Lane,
+    /// Brought into the axes of the end.
+    stress: [Lane; 6],
+}
+
+/// Plastic work, heat, and the energy lost with stiffness, particle by particle.
+fn book_losses(
+    law: &dyn Law,
+    chunk: &Chunk<'_>,
+    velocity: &[[f64; 4]],
+    before: &Before,
+    done: &Powers,
+    share: &mut Share,
+) {
+    let state = &*chunk.state;
+    let [damaged, flows, heats] =
+        [Column::Damage, Column::PlasticStrain, Column::Temperature].map(|c| state.has(c));
+    let mut after = NOTHING;
+    if damaged {
+        law.stored_energy(state, &mut after);
+    }
+    for (p, [.., reference]) in velocity.iter().enumerate().take(state.len) {
         let volume = state.value(Column::J, p) * reference;
-        let mut done = Share { work: half * reference * at(&work, p), ..Share::default() };
-        if rubs {
-            done.viscous = half * reference * at(&viscous, p);
-        }
+        let mut plastic = 0.0;
         if flows {
-            let flow = state.value(Column::PlasticStrain, p) - at(&old.plastic_strain, p);
-            done.plastic = volume * law.plastic_work(chunk, p, &tensor(&turned, p), flow);
+            let flow = state.value(Column::PlasticStrain, p) - at(&before.plastic_strain, p);
+            plastic = volume * law.plastic_work(chunk, p, &tensor(&before.stress, p), flow);
+            share.plastic += plastic;
         }
         if heats {
-            done.heat = volume * law.heating(state, p) * chunk.dt;
+            share.heat += volume * law.heating(state, p) * chunk.dt;
         }
         if damaged && state.value(Column::Damage, p) > 0.0 {
-            let stored = reference * (at(&after, p) - at(&before, p));
-            done.damage = done.work - done.plastic - done.viscous - stored;
+            let half = 0.5 * chunk.dt * reference;
+            let spent = half * (at(&done.work, p) - at(&done.viscous, p));
+            share.damage += spent - plastic - reference * (at(&after, p) - at(&before.stored, p));
         }
-        share.add(&done);
     }
 }
 
@@ -130,115 +158,141 @@ fn note_viscosity(law: &dyn Law, chunk: &mut Chunk<'_>) {
     }
 }
 
-/// What the step changes, as it was.
-struct Before {
-    total: bool,
-    turned_back: bool,
-    fluid: bool,
-    jacobian: Lane,
-    plastic_strain: Lane,
+/// J sigma : L of the particles at the start and at the end of the step, added, and the part of the
+/// viscous stresses in it.
+struct Powers {
+    work: Lane,
     viscous: Lane,
-    stress: [Lane; 6],
-    deformation: [Lane; 9],
-    rotation: [Lane; 9],
 }
 
-impl Before {
+/// How the power of the stress is found.
+#[derive(Clone, Copy)]
+struct Power {
+    total: bool,
+    /// Stresses are stored turned back by R.
+    turned_back: bool,
+    /// There are viscous stresses.
+    rubs: bool,
+    fluid: bool,
+}
+
+impl Power {
     fn new(description: Description, law: &dyn Law, chunk: &Chunk<'_>) -> Self {
-        let state = &*chunk.state;
-        let total = description == Description::Total;
+        let fluid = law.viscosity() > 0.0;
         Self {
-            total,
+            total: description == Description::Total,
             turned_back: description.is_turned_back(law),
-            fluid: law.viscosity() > 0.0,
-            jacobian: *state.lane(Column::J),
-            plastic_strain: *state.lane(Column::PlasticStrain),
-            viscous: *state.lane(Column::ViscousPressure),
-            stress: STRESS.map(|column| *state.lane(column)),
-            deformation: match total {
-                true => DEFORMATION.map(|column| *state.lane(column)),
-                false => [NOTHING; 9],
-            },
-            rotation: if total { *chunk.rotation } else { [NOTHING; 9] },
+            rubs: fluid || chunk.state.has(Column::ViscousPressure),
+            fluid,
+        }
+    }
+
+    /// Adds what the stress does in the state before or after the step.
+    fn add(self, after: bool, chunk: &Chunk<'_>, sums: &mut Powers) {
+        match chunk.state.dimension {
+            1 => dispatch(Adding::<1> { power: self, after, chunk, sums }),
+            2 => dispatch(Adding::<2> { power: self, after, chunk, sums }),
+            _ => dispatch(Adding::<3> { power: self, after, chunk, sums }),
         }
     }
 }
 
-/// work <- J sigma : L at the start and at the end of the step, added; the same of the viscous
-/// stresses, if any. L = (F' - F)/dt F^-1 and (F' - F)/dt F'^-1, where updated Lagrangian methods have
-/// F = I and F' = I + dt L.
-struct Power<'a, 'b, const D: usize> {
-    old: &'a Before,
+/// sums <- sums + J sigma : L with L = (F' - F)/dt F^-1 before the step and (F' - F)/dt F'^-1 after it.
+struct Adding<'a, 'b, const D: usize> {
+    power: Power,
+    after: bool,
     chunk: &'a Chunk<'b>,
-    rubs: bool,
-    work: &'a mut Lane,
-    viscous: &'a mut Lane,
+    sums: &'a mut Powers,
 }
 
-impl<const D: usize> Sweep for Power<'_, '_, D> {
+impl<const D: usize> Sweep for Adding<'_, '_, D> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: Wide>(self) {
-        let Self { old, chunk, rubs, work, viscous } = self;
+        let Power { total, turned_back, .. } = self.power;
+        match (total, turned_back, self.after) {
+            (false, _, false) => self.groups::<V, UPDATED_BEFORE>(),
+            (false, _, true) => self.groups::<V, UPDATED_AFTER>(),
+            (true, true, false) => self.groups::<V, TURNED_BEFORE>(),
+            (true, true, true) => self.groups::<V, TURNED_AFTER>(),
+            (true, false, _) => self.groups::<V, TOTAL>(),
+        }
+    }
+}
+
+/// F = I: J L.
+const UPDATED_BEFORE: u8 = 0;
+/// F' = I + dt L: J' L F'^-1.
+const UPDATED_AFTER: u8 = 1;
+/// dF/dt cof F^T, with R sigma R^T.
+const TURNED_BEFORE: u8 = 2;
+/// J' D^, D^ = R^T sym(dF/dt F'^-1) R, which the kinematics have left in the axes of sigma.
+const TURNED_AFTER: u8 = 3;
+/// dF/dt cof F^T, with the F of the time.
+const TOTAL: u8 = 4;
+
+impl<const D: usize> Adding<'_, '_, D> {
+    #[inline(always)]
+    fn groups<V: Wide, const KIND: u8>(self) {
+        let Self { power, chunk, sums, .. } = self;
         let state = &*chunk.state;
-        let (one, dt) = (V::splat(1.0), V::splat(chunk.dt));
-        for group in 0..state.groups().end.min(GROUPS) {
-            // J L^T and J' L'^T, transposed where they are contracted with symmetric tensors.
-            let (from, to);
-            let [then, now] =
-                [V::load(&old.jacobian[group]), V::load(&state.lane(Column::J)[group])];
-            if old.total {
-                let (first, last) =
-                    (load_tensor(&old.deformation, group), state.deformation_of_four(group));
-                let mut change = last;
-                for entry in 0..9 {
-                    change[entry] = (last[entry] - first[entry]) / dt;
-                }
-                from = product_transposed::<V, D>(&change, &cofactors::<V, D>(&first).0);
-                to = product_transposed::<V, D>(&change, &cofactors::<V, D>(&last).0);
-            } else {
-                let rate: Four<V> = load_tensor(chunk.gradient, group);
-                let mut end = rate;
-                for entry in 0..9 {
-                    end[entry] = match entry % 4 {
-                        0 => dt.mul_add(rate[entry], one),
-                        _ => dt * rate[entry],
-                    };
-                }
-                let (cofactor, growth) = cofactors::<V, D>(&end);
-                let mut last = product_transposed::<V, D>(&rate, &cofactor);
-                let mut first = rate;
-                for entry in 0..9 {
-                    first[entry] = then * first[entry];
-                    last[entry] = now / growth * last[entry];
-                }
-                (from, to) = (first, last);
+        for group in state.groups() {
+            let mut sigma = symmetric_tensor(state.fours(STRESS, group));
+            if KIND == TURNED_BEFORE {
+                sigma = turned::<V, D>(&load_tensor(chunk.rotation, group), &sigma);
             }
-            let mut before = [V::splat(0.0); 6];
-            for n in 0..6 {
-                before[n] = V::load(&old.stress[n][group]);
-            }
-            let mut stresses =
-                [symmetric_tensor(before), symmetric_tensor(state.fours(STRESS, group))];
-            if old.turned_back {
-                stresses[0] = turned::<V, D>(&load_tensor(&old.rotation, group), &stresses[0]);
-                stresses[1] = turned::<V, D>(&load_tensor(chunk.rotation, group), &stresses[1]);
-            }
-            let sum =
-                double_dot::<V, D>(&stresses[0], &from) + double_dot::<V, D>(&stresses[1], &to);
-            sum.store(&mut work[group]);
-            if rubs {
-                let artificial = [
-                    V::load(&old.viscous[group]),
-                    V::load(&state.lane(Column::ViscousPressure)[group]),
-                ];
-                let first = of_viscosity::<V, D>(&stresses[0], &from, artificial[0], old.fluid);
-                let last = of_viscosity::<V, D>(&stresses[1], &to, artificial[1], old.fluid);
-                (first + last).store(&mut viscous[group]);
+            let gradient: Four<V> = load_tensor(chunk.gradient, group);
+            let (rate, volume) = match KIND {
+                TURNED_BEFORE | TOTAL => {
+                    let (cofactor, _) = cofactors::<V, D>(&state.deformation_of_four(group));
+                    (product_transposed::<V, D>(&gradient, &cofactor), V::splat(1.0))
+                }
+                UPDATED_AFTER => {
+                    let (rate, growth) = at_the_end::<V, D>(&gradient, V::splat(chunk.dt));
+                    (rate, state.four::<V>(Column::J, group) / growth)
+                }
+                _ => (gradient, state.four::<V>(Column::J, group)),
+            };
+            let work = double_dot::<V, D>(&sigma, &rate);
+            volume.mul_add(work, V::load(&sums.work[group])).store(&mut sums.work[group]);
+            if power.rubs {
+                let artificial = state.four(Column::ViscousPressure, group);
+                let rubbing = of_viscosity::<V, D>(&sigma, &rate, artificial, power.fluid);
+                let sum = volume.mul_add(rubbing, V::load(&sums.viscous[group]));
+                sum.store(&mut sums.viscous[group]);
             }
         }
     }
+}
+
+/// g L (I + dt L)^-1 and g = det(I + dt L), without the difference of near numbers:
+/// g (I - (I + dt L)^-1) = dt L + det(dt L) I in the plane, and with cofactors C of L in space
+/// dt L - dt^2 C^T + (dt^2 tr C + dt^3 det L) I.
+#[inline(always)]
+fn at_the_end<V: Wide, const D: usize>(gradient: &Four<V>, dt: V) -> (Four<V>, V) {
+    let l = gradient;
+    let one = V::splat(1.0);
+    if D == 1 {
+        return (*l, dt.mul_add(l[0], one));
+    }
+    let (c, volume) = cofactors::<V, D>(l);
+    let mut rate = *l;
+    if D == 2 {
+        let second = dt * volume;
+        (rate[0], rate[4]) = (l[0] + second, l[4] + second);
+        return (rate, dt.mul_add(l[0] + l[4] + second, one));
+    }
+    let (first, second) = (l[0] + l[4] + l[8], c[0] + c[4] + c[8]);
+    let isotropic = dt * dt.mul_add(volume, second);
+    let minus = V::splat(0.0) - dt;
+    for i in 0..3 {
+        for j in 0..3 {
+            rate[3 * i + j] = minus.mul_add(c[3 * j + i], l[3 * i + j]);
+        }
+        rate[4 * i] = rate[4 * i] + isotropic;
+    }
+    (rate, dt.mul_add(first + isotropic, one))
 }
 
 /// R sigma R^T; directions beyond the dimension do not turn.
@@ -292,4 +346,35 @@ fn at(lane: &Lane, p: usize) -> f64 {
 /// The symmetric tensor of a particle.
 fn tensor(six: &[Lane; 6], p: usize) -> Tensor {
     Tensor::from_fn(|i, j| at(&six[SYMMETRIC[3 * i + j]], p))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::v4::Plain;
+
+    /// What [`at_the_end`] says, and g L (I + dt L)^-1 by inversion.
+    fn both<const D: usize>(l: Tensor, dt: f64) -> [Tensor; 2] {
+        let l = Tensor::from_fn(|i, j| if i.max(j) < D { l[(i, j)] } else { 0.0 });
+        let end = Tensor::identity() + l * dt;
+        let four: Four<Plain> =
+            std::array::from_fn(|entry| Plain::splat(l[(entry / 3, entry % 3)]));
+        let (rate, growth) = at_the_end::<Plain, D>(&four, Plain::splat(dt));
+        assert!((growth.array()[0] - end.determinant()).abs() < 1e-15);
+        let found = Tensor::from_fn(|i, j| match i.max(j) < D {
+            true => rate[3 * i + j].array()[0],
+            false => 0.0,
+        });
+        [found, l * end.try_inverse().unwrap() * end.determinant()]
+    }
+
+    #[test]
+    fn the_gradient_at_the_end_of_a_step_is_that_of_the_moved_body() {
+        let l = Tensor::new(0.3, -0.7, 0.2, 1.1, -0.4, 0.5, -0.6, 0.9, 0.8);
+        for dt in [1e-9, 0.2] {
+            for [found, exact] in [both::<1>(l, dt), both::<2>(l, dt), both::<3>(l, dt)] {
+                assert!((found - exact).norm() < 1e-14, "{found} {exact}");
+            }
+        }
+    }
 }

@@ -74,11 +74,18 @@ impl ExactSum {
 
     /// Adds the terms of another sum.
     pub fn merge(&mut self, other: &Self) {
-        let mut words = other.words();
-        for (word, own) in words.iter_mut().zip(self.words()) {
-            *word += own;
+        // What is left after a carry counts as one addition.
+        if self.additions + other.additions + 1 >= ROOM {
+            *self = Self::from_words(&self.words());
+            return self.merge(&Self::from_words(&other.words()));
         }
-        *self = Self::from_words(&words);
+        for (limb, more) in self.limbs.iter_mut().zip(&other.limbs) {
+            *limb += more;
+        }
+        for (count, more) in self.special.iter_mut().zip(&other.special) {
+            *count += more;
+        }
+        self.additions += other.additions + 1;
     }
 
     /// The sum as whole numbers: sums of processes add word by word.
@@ -119,6 +126,9 @@ impl ExactSum {
             [0, _, 0] => return f64::INFINITY,
             [0, 0, _] => return f64::NEG_INFINITY,
             _ => return f64::NAN,
+        }
+        if self.limbs == [0; LIMBS] {
+            return 0.0;
         }
         let mut sum = self.clone();
         sum.carry();

@@ -237,9 +237,14 @@ impl Ledger {
 
     /// Makes room for so many nodes and tiles; what particles have done is cleared.
     pub fn fit(&mut self, nodes: usize, tiles: usize) {
+        self.fit_tiles(tiles);
+        self.nodes.resize(nodes, Notes::default());
+    }
+
+    /// Shares for the tiles that a sort has left; `usf` strains before the next step is noted.
+    pub fn fit_tiles(&mut self, tiles: usize) {
         self.shares.clear();
         self.shares.resize(tiles, Share::default());
-        self.nodes.resize(nodes, Notes::default());
     }
 
     /// Notes the force of a damping fix on a node.

@@ -1,8 +1,10 @@
 //! Where in a step the energy ledger takes its notes.
 
 use super::{Parts, SchemeKind};
+use crate::kernel::tiles::Tiles;
 use crate::kernel::work::kinetic_energy;
 use crate::kernel::{gather, grid, ledger};
+use crate::math::exact_sum::ExactSum;
 use crate::model::domain::Boundary;
 use crate::step::Stage;
 use crate::timing::Phase;
@@ -19,10 +21,11 @@ impl Parts<'_> {
         {
             self.book_particles();
         }
+        let free = self.nodes_are_free();
         let (world, tiles) = (&mut *self.world, &self.loops.tiles);
         if world.ledger.open {
             let start = Instant::now();
-            world.ledger.fit(world.grid.len(), tiles.ranges.len());
+            world.ledger.fit(if free { 0 } else { world.grid.len() }, tiles.ranges.len());
             ledger::note_internal(&mut world.ledger, &world.grid, tiles.parallel);
             self.loops.timing.aside(Phase::Ledger, start);
         }
@@ -50,6 +53,26 @@ impl Parts<'_> {
         }
     }
 
+    /// Kinetic energy of all particles after the gathering, before the next sweep.
+    pub fn gathered_energy(&mut self) -> f64 {
+        if self.world.solids.iter().any(|solid| solid.rigid) {
+            // Rigid particles have not taken what the grid offered. All processes sum in one way.
+            return kinetic_energy(&mut self.loops.tiles, self.world);
+        }
+        let Tiles { reports, ranges, .. } = &self.loops.tiles;
+        let each = reports.iter().take(ranges.len()).map(|report| report.kinetic);
+        self.world.ranks.total(&ExactSum::of(each))
+    }
+
+    /// Does nothing but internal forces change the velocities of nodes?
+    fn nodes_are_free(&self) -> bool {
+        let acting =
+            [Stage::InitialIntegrate, Stage::PostParticlesToGrid, Stage::PostUpdateGridState];
+        let world = &*self.world;
+        let held = world.has_rigid_nodes() || world.method.axisymmetric || self.has_contact();
+        !(held || self.hooks.any(&acting) || self.transfer.filter_terms().is_some())
+    }
+
     /// Books the work of the nodal forces, and what the particles have not got of it; `mapped`: the
     /// second mapping has been done already.
     pub fn book_transfer(&mut self, mapped: bool) {
@@ -64,10 +87,14 @@ impl Parts<'_> {
         if !mapped {
             gather::scatter_momentum(&mut self.loops.tiles, self.world, self.transfer.is_affine());
         }
-        let kinetic = kinetic_energy(&mut self.loops.tiles, self.world);
+        let (kinetic, free) = (self.loops.kinetic, self.nodes_are_free());
         let (world, parallel) = (&mut *self.world, self.loops.tiles.parallel);
-        ledger::book_forces(&mut world.ledger, &world.grid, parallel, self.clock.dt, updated);
-        ledger::book_contact(&mut world.ledger, &world.grid, &world.contacts.pairs, updated);
+        if free {
+            ledger::book_free(&mut world.ledger, &world.grid, parallel, updated);
+        } else {
+            ledger::book_forces(&mut world.ledger, &world.grid, parallel, self.clock.dt, updated);
+            ledger::book_contact(&mut world.ledger, &world.grid, &world.contacts.pairs, updated);
+        }
         let work = world.ledger.settle(&world.ranks);
         let sums = &mut world.ledger.sums;
         sums.numerical += work - (kinetic - sums.kinetic);

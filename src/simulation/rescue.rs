@@ -10,7 +10,6 @@
 use super::Simulation;
 use super::progress::Progress;
 use crate::fault::{Fault, FaultKind};
-use crate::kernel::work;
 use crate::model::checkpoint::Checkpoint;
 use crate::output::restart;
 use crate::plan::Trouble;
@@ -86,7 +85,7 @@ impl Simulation {
         if self.watch.is_none() {
             return Ok(());
         }
-        let kinetic = work::kinetic_energy(&mut self.loops.tiles, &mut self.world);
+        let kinetic = self.loops.kinetic;
         match self.rescue.growth.runs_away(kinetic) {
             true => Err(watch::runs_away(&self.world, kinetic, &self.clock_of_last_step())),
             false => Ok(()),
