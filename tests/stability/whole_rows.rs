@@ -95,7 +95,8 @@ fn leaving(way: &Way) -> Verdict {
         let text = format!("{} left", count(played));
         if told && count(played) < 80 { Ok(text) } else { Err(text) }
     });
-    let bounce = judge(&[], &play(&leaving_script(way, "bounce")), |played| {
+    let warned = &["was reflected by the box"];
+    let bounce = judge(warned, &play(&leaving_script(way, "bounce")), |played| {
         let inside = played.places().iter().all(|x| (0.0..=1.0).contains(&x[0]));
         let text = format!("Ek at most {:.3}", played.growth("Ek"));
         if inside && played.growth("Ek") < 1.05 { Ok(text) } else { Err(text) }
