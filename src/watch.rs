@@ -228,7 +228,7 @@ impl Growth {
         checkpoint.number("grown", &mut self.count);
     }
 
-    /// Takes the kinetic energy after a step; true if it has grown by half in each of [`RUN`] steps and is
+    /// Takes the kinetic energy after a step; true if it has grown by half in each of `RUN` steps and is
     /// larger than ever before.
     pub fn runs_away(&mut self, kinetic: f64) -> bool {
         let grows = self.last > 0.0 && kinetic > 1.5 * self.last;
